@@ -12,6 +12,9 @@ from sketchlang import __version__
 COMMANDS = {
     "check": "Parse a sketch, check its types and rules.",
     "terminate": "Prove that a sketch terminates, or show how it does not.",
+    "verify": "Check a proof of termination independently.",
+    "coverage": "Find states that no rule provides for.",
+    "graph": "Draw the policy graph or the rules of a sketch.",
     "run": "Plan a scene with a sketch.",
     "validate": "Certify a plan file with exact geometry.",
 }

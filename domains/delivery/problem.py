@@ -1,0 +1,89 @@
+"""States and actions of the delivery domain."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+Cell = tuple[int, int]
+"""Column and row, both from 0."""
+
+Action = tuple[str, ...]
+_MOVES = {"east": (1, 0), "west": (-1, 0), "south": (0, 1), "north": (0, -1)}
+
+
+class Package(NamedTuple):
+    """A package; `number` is its place in `State.cells`."""
+
+    number: int
+    name: str
+
+
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """What does not change: the cells that can be entered, the target, the packages."""
+
+    free: frozenset[Cell]
+    target: Cell
+    packages: tuple[Package, ...]
+    _steps: dict[Cell, dict[Cell, int]] = field(default_factory=dict, repr=False)
+
+    def neighbours(self, cell: Cell) -> Iterator[tuple[str, Cell]]:
+        """The moves that are possible in a cell, with the cells they lead to."""
+        for name, (dx, dy) in _MOVES.items():
+            other = cell[0] + dx, cell[1] + dy
+            if other in self.free:
+                yield name, other
+
+    def steps(self, goal: Cell, start: Cell) -> int:
+        """Fewest moves between two cells; the number of cells if there is no way."""
+        found = self._steps.get(goal)
+        if found is None:
+            found = self._steps[goal] = {goal: 0}
+            frontier = [goal]
+            while frontier:
+                reached = []
+                for cell in frontier:
+                    for _, other in self.neighbours(cell):
+                        if other not in found:
+                            found[other] = found[cell] + 1
+                            reached.append(other)
+                frontier = reached
+        return found.get(start, len(self.free))
+
+
+@dataclass(frozen=True, slots=True)
+class State:
+    """`held` is the number of the package that the agent carries, `cells[i]` the cell of
+    package i, None while it is carried."""
+
+    grid: Grid = field(repr=False)
+    agent: Cell
+    held: int | None
+    cells: tuple[Cell | None, ...]
+
+
+@dataclass(frozen=True)
+class DeliveryProblem:
+    """Carry every package to the target cell."""
+
+    initial: State
+
+    def successors(self, state: State) -> Iterator[tuple[Action, State]]:
+        """Move to a free neighbour; pick up a package here; drop the one that is carried."""
+        grid, agent = state.grid, state.agent
+        for name, cell in grid.neighbours(agent):
+            yield ("move", name), State(grid, cell, state.held, state.cells)
+        if state.held is not None:
+            name = grid.packages[state.held].name
+            yield ("drop", name), State(grid, agent, None, _put(state.cells, state.held, agent))
+            return
+        for package in grid.packages:
+            if state.cells[package.number] == agent:
+                cells = _put(state.cells, package.number, None)
+                yield ("pick", package.name), State(grid, agent, package.number, cells)
+
+
+def _put(cells: tuple[Cell | None, ...], number: int, cell: Cell | None) -> tuple[Cell | None, ...]:
+    return (*cells[:number], cell, *cells[number + 1 :])

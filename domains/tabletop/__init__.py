@@ -1,0 +1,92 @@
+"""Objects on tables, and a robot that moves them: the functions that sketches can call.
+
+They ask the state's task, which knows the geometry of the scene (`runtime.pick_place`).
+Nothing heavy is imported here: `sketchlang check` reads these signatures.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Iterable, Mapping
+from typing import TYPE_CHECKING
+
+from runtime.pick_place.state import Placement
+from sketchlang.domain import Domain, Nat
+
+if TYPE_CHECKING:
+    from runtime.pick_place.problem import PickPlaceProblem
+    from runtime.pick_place.state import State
+
+domain = Domain("tabletop", summary="Pick and place of objects on tables with a mobile robot")
+
+
+@domain.sort
+class Object(int):
+    """An object that the robot can move: its index in the scene."""
+
+
+domain.sort(Placement)
+
+
+@domain.function
+def objects(state: State) -> tuple[Object, ...]:
+    """All movable objects."""
+    return tuple(Object(i) for i in range(len(state.placements)))
+
+
+@domain.function
+def held(state: State, o: Object) -> bool:
+    """Whether an object is in the gripper."""
+    return state.held == o
+
+
+@domain.function
+def misplaced(state: State, o: Object) -> bool:
+    """Whether an object stands outside its goal, or is held and its goal is blocked."""
+    return o in state.task.misplaced(state)
+
+
+@domain.function
+def goal_placements(state: State, o: Object) -> tuple[Placement, ...]:
+    """Unoccupied placements in which an object would be where the scene wants it."""
+    return state.task.goal_placements(state, o)
+
+
+@domain.function
+def disturbed_by(state: State, o: Object, p: Placement) -> Nat:
+    """How many other misplaced objects would be obstructed more with an object at p."""
+    return state.task.disturbed_by(state, o, p)
+
+
+@domain.function
+def obstructions(state: State, o: Object) -> Nat:
+    """alpha: fewest objects in the way of picking o up and putting it at its goal."""
+    return state.task.obstructions(state, o)
+
+
+@domain.function
+def disturbances(state: State, o: Object) -> Nat:
+    """beta: fewest misplaced objects that a goal placement of o blocks."""
+    return state.task.disturbances(state, o)
+
+
+@domain.atom
+def robot_at(state: State) -> Iterable[Hashable]:
+    """The pose of the base."""
+    return (state.base,)
+
+
+@domain.atom
+def object_at(state: State) -> Iterable[Hashable]:
+    """The placement of every object; for the held one, the grasp."""
+    atoms: list[Hashable] = list(enumerate(state.placements))
+    if state.held is not None:
+        atoms[state.held] = (state.held, state.grasp)
+    return atoms
+
+
+@domain.scenes
+def load(path: str, options: Mapping[str, object]) -> PickPlaceProblem:
+    """The problem of a scene file; options: `robot` (name or file), `seed`, `name`."""
+    from runtime.pick_place.problem import load_problem
+
+    return load_problem(path, options)

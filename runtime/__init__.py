@@ -1,0 +1,1 @@
+"""Everything that runs: search, robots, collision checking, motion planning, plans."""

@@ -1,0 +1,140 @@
+"""Separating-axis test between boxes.
+
+World boxes are upright (they turn about z only) and packed one a row:
+
+    [cx, cy, cz, hx, hy, hz, cos yaw, sin yaw]     centre, half extents, heading
+
+Robot boxes turn freely: a 3x4 pose and half extents.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+PARALLEL = 1e-9
+"""Added to absolute rotation entries so that near-parallel edges give no false axis."""
+
+
+@njit(cache=True)
+def pose_vs_upright(pose, half, radius, box, margin):  # type: ignore[no-untyped-def]
+    """Whether a free box touches an upright box grown by `margin` on every side.
+
+    `radius` is the circumscribed radius of the free box: it settles most pairs cheaply.
+    """
+    # Centre of the free box in the frame of the upright one.
+    dx = pose[0, 3] - box[0]
+    dy = pose[1, 3] - box[1]
+    c = box[6]
+    s = box[7]
+    tx = c * dx + s * dy
+    ty = c * dy - s * dx
+    tz = pose[2, 3] - box[2]
+    bx = box[3] + margin
+    by = box[4] + margin
+    bz = box[5] + margin
+    ex = max(abs(tx) - bx, 0.0)
+    ey = max(abs(ty) - by, 0.0)
+    ez = max(abs(tz) - bz, 0.0)
+    if ex * ex + ey * ey + ez * ez > radius * radius:
+        return False
+    r00 = c * pose[0, 0] + s * pose[1, 0]
+    r01 = c * pose[0, 1] + s * pose[1, 1]
+    r02 = c * pose[0, 2] + s * pose[1, 2]
+    r10 = c * pose[1, 0] - s * pose[0, 0]
+    r11 = c * pose[1, 1] - s * pose[0, 1]
+    r12 = c * pose[1, 2] - s * pose[0, 2]
+    return _overlap(
+        r00, r01, r02, r10, r11, r12, pose[2, 0], pose[2, 1], pose[2, 2],
+        tx, ty, tz, bx, by, bz, half[0], half[1], half[2],
+    )  # fmt: skip
+
+
+@njit(cache=True)
+def pose_vs_pose(a, half_a, b, half_b, margin):  # type: ignore[no-untyped-def]
+    """Whether two free boxes touch, the first grown by `margin` on every side."""
+    dx = b[0, 3] - a[0, 3]
+    dy = b[1, 3] - a[1, 3]
+    dz = b[2, 3] - a[2, 3]
+    tx = a[0, 0] * dx + a[1, 0] * dy + a[2, 0] * dz
+    ty = a[0, 1] * dx + a[1, 1] * dy + a[2, 1] * dz
+    tz = a[0, 2] * dx + a[1, 2] * dy + a[2, 2] * dz
+    r00 = a[0, 0] * b[0, 0] + a[1, 0] * b[1, 0] + a[2, 0] * b[2, 0]
+    r01 = a[0, 0] * b[0, 1] + a[1, 0] * b[1, 1] + a[2, 0] * b[2, 1]
+    r02 = a[0, 0] * b[0, 2] + a[1, 0] * b[1, 2] + a[2, 0] * b[2, 2]
+    r10 = a[0, 1] * b[0, 0] + a[1, 1] * b[1, 0] + a[2, 1] * b[2, 0]
+    r11 = a[0, 1] * b[0, 1] + a[1, 1] * b[1, 1] + a[2, 1] * b[2, 1]
+    r12 = a[0, 1] * b[0, 2] + a[1, 1] * b[1, 2] + a[2, 1] * b[2, 2]
+    r20 = a[0, 2] * b[0, 0] + a[1, 2] * b[1, 0] + a[2, 2] * b[2, 0]
+    r21 = a[0, 2] * b[0, 1] + a[1, 2] * b[1, 1] + a[2, 2] * b[2, 1]
+    r22 = a[0, 2] * b[0, 2] + a[1, 2] * b[1, 2] + a[2, 2] * b[2, 2]
+    return _overlap(
+        r00, r01, r02, r10, r11, r12, r20, r21, r22, tx, ty, tz,
+        half_a[0] + margin, half_a[1] + margin, half_a[2] + margin,
+        half_b[0], half_b[1], half_b[2],
+    )  # fmt: skip
+
+
+@njit(cache=True, inline="always")
+def _overlap(  # type: ignore[no-untyped-def]  # noqa: PLR0912
+    r00, r01, r02, r10, r11, r12, r20, r21, r22, tx, ty, tz, ax, ay, az, bx, by, bz
+):
+    """The fifteen axes (Gottschalk et al. 1996) for box B turned by r, moved by t, in A."""
+    a00, a01, a02 = abs(r00) + PARALLEL, abs(r01) + PARALLEL, abs(r02) + PARALLEL
+    a10, a11, a12 = abs(r10) + PARALLEL, abs(r11) + PARALLEL, abs(r12) + PARALLEL
+    a20, a21, a22 = abs(r20) + PARALLEL, abs(r21) + PARALLEL, abs(r22) + PARALLEL
+    if abs(tx) > ax + bx * a00 + by * a01 + bz * a02:
+        return False
+    if abs(ty) > ay + bx * a10 + by * a11 + bz * a12:
+        return False
+    if abs(tz) > az + bx * a20 + by * a21 + bz * a22:
+        return False
+    if abs(tx * r00 + ty * r10 + tz * r20) > bx + ax * a00 + ay * a10 + az * a20:
+        return False
+    if abs(tx * r01 + ty * r11 + tz * r21) > by + ax * a01 + ay * a11 + az * a21:
+        return False
+    if abs(tx * r02 + ty * r12 + tz * r22) > bz + ax * a02 + ay * a12 + az * a22:
+        return False
+    if abs(tz * r10 - ty * r20) > ay * a20 + az * a10 + by * a02 + bz * a01:
+        return False
+    if abs(tz * r11 - ty * r21) > ay * a21 + az * a11 + bx * a02 + bz * a00:
+        return False
+    if abs(tz * r12 - ty * r22) > ay * a22 + az * a12 + bx * a01 + by * a00:
+        return False
+    if abs(tx * r20 - tz * r00) > ax * a20 + az * a00 + by * a12 + bz * a11:
+        return False
+    if abs(tx * r21 - tz * r01) > ax * a21 + az * a01 + bx * a12 + bz * a10:
+        return False
+    if abs(tx * r22 - tz * r02) > ax * a22 + az * a02 + bx * a11 + by * a10:
+        return False
+    if abs(ty * r00 - tx * r10) > ax * a10 + ay * a00 + by * a22 + bz * a21:
+        return False
+    if abs(ty * r01 - tx * r11) > ax * a11 + ay * a01 + bx * a22 + bz * a20:
+        return False
+    return not abs(ty * r02 - tx * r12) > ax * a12 + ay * a02 + bx * a21 + by * a20
+
+
+@njit(cache=True)
+def to_base_frame(world, x, y, yaw, reach):  # type: ignore[no-untyped-def]
+    """The upright boxes within `reach` (in the plane) of a base pose, in the base frame."""
+    c = math.cos(yaw)
+    s = math.sin(yaw)
+    out = np.empty_like(world)
+    count = 0
+    for i in range(world.shape[0]):
+        dx = world[i, 0] - x
+        dy = world[i, 1] - y
+        # Distance from the base to the footprint of the box.
+        lx = max(abs(world[i, 6] * dx + world[i, 7] * dy) - world[i, 3], 0.0)
+        ly = max(abs(world[i, 6] * dy - world[i, 7] * dx) - world[i, 4], 0.0)
+        if lx * lx + ly * ly > reach * reach:
+            continue
+        out[count, 0] = c * dx + s * dy
+        out[count, 1] = c * dy - s * dx
+        out[count, 2:6] = world[i, 2:6]
+        out[count, 6] = c * world[i, 6] + s * world[i, 7]
+        out[count, 7] = c * world[i, 7] - s * world[i, 6]
+        count += 1
+    return out[:count].copy()

@@ -1,0 +1,97 @@
+"""Distances in the floor plane: points and segments against upright boxes.
+
+Boxes are packed as in `runtime.kernels.boxes`. `clearance[w]` is how far the axis of the
+robot's base has to stay from box w, 0 for a box that the robot passes under or over.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+
+@njit(cache=True, inline="always")
+def _local(box, x, y):  # type: ignore[no-untyped-def]
+    dx = x - box[0]
+    dy = y - box[1]
+    return box[6] * dx + box[7] * dy, box[6] * dy - box[7] * dx
+
+
+@njit(cache=True)
+def point_distance(box, x, y):  # type: ignore[no-untyped-def]
+    """Distance in the plane from a point to the footprint of a box, 0 inside."""
+    lx, ly = _local(box, x, y)
+    ex = max(abs(lx) - box[3], 0.0)
+    ey = max(abs(ly) - box[4], 0.0)
+    return math.sqrt(ex * ex + ey * ey)
+
+
+@njit(cache=True)
+def point_is_clear(boxes, clearance, x, y):  # type: ignore[no-untyped-def]
+    """Whether a point keeps the clearance of every box."""
+    for w in range(boxes.shape[0]):
+        if clearance[w] > 0.0 and point_distance(boxes[w], x, y) < clearance[w]:
+            return False
+    return True
+
+
+@njit(cache=True)
+def segment_distance(box, x0, y0, x1, y1):  # type: ignore[no-untyped-def]
+    """Distance in the plane from a segment to the footprint of a box, 0 where they meet."""
+    ax, ay = _local(box, x0, y0)
+    bx, by = _local(box, x1, y1)
+    hx = box[3]
+    hy = box[4]
+    dx = bx - ax
+    dy = by - ay
+    # Clip the segment against the rectangle (slabs): a stretch left over means they meet.
+    low = 0.0
+    high = 1.0
+    for axis in range(2):
+        p = ax if axis == 0 else ay
+        d = dx if axis == 0 else dy
+        h = hx if axis == 0 else hy
+        if abs(d) < 1e-12:
+            if abs(p) > h:
+                high = -1.0
+        else:
+            t0 = (-h - p) / d
+            t1 = (h - p) / d
+            low = max(low, min(t0, t1))
+            high = min(high, max(t0, t1))
+    if low <= high:
+        return 0.0
+    best = min(point_distance(box, x0, y0), point_distance(box, x1, y1))
+    length = dx * dx + dy * dy
+    for i in range(4):
+        cx = hx if i % 2 == 0 else -hx
+        cy = hy if i < 2 else -hy
+        t = 0.0 if length < 1e-18 else ((cx - ax) * dx + (cy - ay) * dy) / length
+        t = min(1.0, max(0.0, t))
+        ex = ax + t * dx - cx
+        ey = ay + t * dy - cy
+        best = min(best, math.sqrt(ex * ex + ey * ey))
+    return best
+
+
+@njit(cache=True)
+def segment_is_clear(boxes, clearance, x0, y0, x1, y1):  # type: ignore[no-untyped-def]
+    """Whether a segment keeps the clearance of every box."""
+    for w in range(boxes.shape[0]):
+        if clearance[w] > 0.0 and segment_distance(boxes[w], x0, y0, x1, y1) < clearance[w]:
+            return False
+    return True
+
+
+@njit(cache=True)
+def visible(boxes, clearance, x, y, nodes):  # type: ignore[no-untyped-def]
+    """For each node (k, 2): its distance from a point, or infinity where the way is barred."""
+    out = np.empty(nodes.shape[0])
+    for i in range(nodes.shape[0]):
+        if segment_is_clear(boxes, clearance, x, y, nodes[i, 0], nodes[i, 1]):
+            out[i] = math.hypot(nodes[i, 0] - x, nodes[i, 1] - y)
+        else:
+            out[i] = math.inf
+    return out

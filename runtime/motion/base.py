@@ -1,0 +1,152 @@
+"""Base motions: turn on the spot, drive straight, turn; shortest along a visibility graph.
+
+While it drives, the robot keeps its home posture. Turning on the spot it sweeps a stack of
+rings, one a box: a position is safe in every heading if it keeps, from each obstacle, the
+largest outer radius of the robot's boxes at the obstacle's height. This is conservative,
+needs no heading in the search, and holds for everything in between as well.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from runtime.kernels import arm, plane
+from runtime.robot.model import Body, Floats, RobotModel
+
+MARGIN = 0.01
+"""Metres added to every clearance."""
+
+CORNER = 1.1
+"""Way points stand at the corners of obstacles, this factor outside their clearance."""
+
+
+@dataclass(frozen=True, eq=False)
+class Footprint:
+    """For each box of the robot in a posture: height from-to and outer radius (m, 3)."""
+
+    rings: Floats
+
+    def clearances(self, boxes: Floats) -> Floats:
+        """Clearance (w,) that the base axis keeps from each upright box, 0 for none."""
+        low, high, radius = self.rings.T
+        bottom = (boxes[:, 2] - boxes[:, 5])[:, None]
+        top = (boxes[:, 2] + boxes[:, 5])[:, None]
+        meets = (low[None] < top + MARGIN) & (high[None] > bottom - MARGIN)
+        clearance = np.where(meets, radius[None] + MARGIN, 0.0)
+        return clearance.max(axis=1) if clearance.size else np.zeros(len(boxes))
+
+
+def footprint(robot: RobotModel, body: Body) -> Footprint:
+    """The rings of a robot in its home posture."""
+    placed = np.empty((len(body.frame), 3, 4))
+    arm.place_boxes(robot.frames(robot.home), body.frame, body.pose, placed)
+    signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
+    corners = (
+        np.einsum("bij,bkj->bki", placed[:, :, :3], signs[None] * body.half[:, None])
+        + placed[:, None, :, 3]
+    )
+    return Footprint(
+        np.column_stack(
+            [
+                corners[:, :, 2].min(axis=1),
+                corners[:, :, 2].max(axis=1),
+                np.hypot(corners[:, :, 0], corners[:, :, 1]).max(axis=1),
+            ]
+        )
+    )
+
+
+class BaseRoads:
+    """Shortest drives among fixed obstacles; built once for a set of boxes and clearances."""
+
+    def __init__(self, boxes: Floats, clearance: Floats) -> None:
+        self.boxes = boxes
+        self.clearance = clearance
+        self.nodes = self._corners()
+        k = len(self.nodes)
+        self.distance = np.empty((k, k))
+        for i, (x, y) in enumerate(self.nodes):
+            self.distance[i] = plane.visible(boxes, clearance, x, y, self.nodes)
+        # Floyd-Warshall with the first step of every shortest way.
+        self.first = np.tile(np.arange(k), (k, 1))
+        for via in range(k):
+            through = self.distance[:, via, None] + self.distance[None, via, :]
+            better = through < self.distance - 1e-12
+            self.distance = np.where(better, through, self.distance)
+            self.first = np.where(better, self.first[:, via, None], self.first)
+
+    def _corners(self) -> Floats:
+        found = []
+        for box, clearance in zip(self.boxes, self.clearance, strict=True):
+            if clearance <= 0.0:
+                continue
+            out = clearance * CORNER / math.sqrt(2.0)
+            for sx, sy in ((1, 1), (1, -1), (-1, -1), (-1, 1)):
+                lx, ly = sx * (box[3] + out), sy * (box[4] + out)
+                x = box[0] + box[6] * lx - box[7] * ly
+                y = box[1] + box[7] * lx + box[6] * ly
+                if self.is_clear(x, y):
+                    found.append((x, y))
+        return np.array(found).reshape(-1, 2)
+
+    def is_clear(self, x: float, y: float) -> bool:
+        """Whether the robot can stand and turn at a position."""
+        clear: bool = plane.point_is_clear(self.boxes, self.clearance, x, y)
+        return clear
+
+    def route(self, start: tuple[float, float], goal: tuple[float, float]) -> Floats | None:
+        """Way points (k, 2) of a shortest drive from start to goal, both included."""
+        if not self.is_clear(*start) or not self.is_clear(*goal):
+            return None
+        if plane.segment_is_clear(self.boxes, self.clearance, *start, *goal):
+            return np.array([start, goal])
+        if not len(self.nodes):
+            return None
+        leave = plane.visible(self.boxes, self.clearance, *start, self.nodes)
+        arrive = plane.visible(self.boxes, self.clearance, *goal, self.nodes)
+        total = leave[:, None] + self.distance + arrive[None, :]
+        i, j = np.unravel_index(int(np.argmin(total)), total.shape)
+        if not np.isfinite(total[i, j]):
+            return None
+        points = [start, tuple(self.nodes[i])]
+        while i != j:
+            i = self.first[i, j]
+            points.append(tuple(self.nodes[i]))
+        points.append(goal)
+        return np.array(points)
+
+
+def drive(
+    route: Floats, start_yaw: float, goal_yaw: float
+) -> Floats:
+    """Poses (k, 3) of a differential drive along way points: turns and straight lines.
+
+    Consecutive poses differ in position or in heading, never in both.
+    """
+    poses = [(route[0, 0], route[0, 1], start_yaw)]
+    yaw = start_yaw
+    for (x0, y0), (x1, y1) in zip(route[:-1], route[1:], strict=True):
+        if math.hypot(x1 - x0, y1 - y0) < 1e-9:
+            continue
+        heading = yaw + wrap(math.atan2(y1 - y0, x1 - x0) - yaw)
+        if abs(wrap(heading - yaw)) > math.pi / 2 and math.hypot(x1 - x0, y1 - y0) < 0.4:
+            heading = yaw + wrap(heading + math.pi - yaw)  # a short way back is driven backwards
+        poses.append((x0, y0, heading))
+        poses.append((x1, y1, heading))
+        yaw = heading
+    poses.append((route[-1, 0], route[-1, 1], yaw + wrap(goal_yaw - yaw)))
+    kept = [poses[0]]
+    for pose in poses[1:]:
+        if max(abs(a - b) for a, b in zip(pose, kept[-1], strict=True)) > 1e-9:
+            kept.append(pose)
+    if len(kept) == 1:
+        kept.append(kept[0])
+    return np.array(kept)
+
+
+def wrap(angle: float) -> float:
+    """An angle in (-pi, pi]."""
+    return angle - 2 * math.pi * math.ceil((angle - math.pi) / (2 * math.pi))

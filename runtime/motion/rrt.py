@@ -1,0 +1,132 @@
+"""Free arm motions: a straight line where it is free, else RRT-Connect (OMPL), shortened."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from runtime.motion.arm_context import ArmContext
+from runtime.robot.model import Floats
+
+MAX_CHECKS = 6000
+"""Configurations tested before a query is given up: a count and not a time, so that the
+same seed gives the same plan on every machine."""
+
+CHECK_RESOLUTION = 0.08
+RANGE = 1.2
+ATTEMPTS = 2
+SHORTCUTS = 40
+
+
+def plan(context: ArmContext, start: Floats, goal: Floats, seed: int) -> Floats | None:
+    """A collision-free path (p, n) from start to goal (n,), or None where none was found."""
+    line = np.array([start, goal])
+    if context.path_is_free(line):
+        return line
+    if context.collides(start) or context.collides(goal):
+        return None
+    for attempt in range(ATTEMPTS):
+        # The planner tests states a step apart; a path that the dense check refuses is
+        # searched anew at half the step.
+        path = rrt_connect(context, start, goal, seed + attempt, CHECK_RESOLUTION / 2**attempt)
+        if path is not None and context.path_is_free(path):
+            return shorten(context, path, np.random.default_rng(seed))
+    return None
+
+
+def rrt_connect(
+    context: ArmContext, start: Floats, goal: Floats, seed: int, resolution: float
+) -> Floats | None:
+    """RRT-Connect (Kuffner & LaValle 2000) on the planning joints.
+
+    `resolution` is the step, in radians of joint-space distance, between tested states.
+    """
+    from ompl import base as ob
+    from ompl import geometric as og
+    from ompl import util as ou
+
+    ou.setLogLevel(ou.LOG_NONE)
+    ou.RNG.setSeed(seed % (2**31 - 1) + 1)
+    robot = context.robot
+    n = len(robot.joints)
+    space = ob.RealVectorStateSpace(n)
+    bounds = ob.RealVectorBounds(n)
+    for i in range(n):
+        bounds.setLow(i, float(robot.lower[i]) - 1e-9)
+        bounds.setHigh(i, float(robot.upper[i]) + 1e-9)
+    space.setBounds(bounds)
+    info = ob.SpaceInformation(space)
+    q = np.empty(n)
+    checks = 0
+
+    def is_valid(state: Any) -> bool:
+        nonlocal checks
+        checks += 1
+        for i in range(n):
+            q[i] = state[i]
+        return not context.collides(q)
+
+    info.setStateValidityChecker(is_valid)
+    info.setStateValidityCheckingResolution(resolution / space.getMaximumExtent())
+    info.setup()
+    planner = og.RRTConnect(info)
+    planner.setRange(RANGE)
+    problem = ob.ProblemDefinition(info)
+    first, last = space.allocState(), space.allocState()
+    for i in range(n):
+        first[i], last[i] = float(start[i]), float(goal[i])
+    problem.setStartAndGoalStates(first, last)
+    planner.setProblemDefinition(problem)
+    planner.setup()
+    planner.solve(ob.PlannerTerminationCondition(lambda: checks >= MAX_CHECKS))
+    path = None
+    if problem.hasExactSolution():
+        states = problem.getSolutionPath().getStates()
+        path = np.array([[state[i] for i in range(n)] for state in states])
+        path[0], path[-1] = start, goal
+    # The checker refers to this frame and the frame to the space: without breaking the
+    # circle OMPL reports leaked instances on stderr at exit.
+    info.setStateValidityChecker(_always)
+    return path
+
+
+def _always(_: Any) -> bool:
+    return True
+
+
+def shorten(context: ArmContext, path: Floats, rng: np.random.Generator) -> Floats:
+    """Replace stretches of a path by straight lines where these are free."""
+    for _ in range(SHORTCUTS):
+        if len(path) < 3:
+            break
+        lengths = np.linalg.norm(np.diff(path, axis=0), axis=1)
+        marks = np.concatenate([[0.0], np.cumsum(lengths)])
+        low, high = np.sort(rng.uniform(0.0, marks[-1], 2))
+        i = int(np.searchsorted(marks, low, side="right")) - 1
+        j = int(np.searchsorted(marks, high, side="right")) - 1
+        if i == j:
+            continue
+        j = min(j, len(path) - 2)
+        a = path[i] + (low - marks[i]) / max(lengths[i], 1e-12) * (path[i + 1] - path[i])
+        b = path[j] + (high - marks[j]) / max(lengths[j], 1e-12) * (path[j + 1] - path[j])
+        if context.path_is_free(np.array([a, b])):
+            path = np.vstack([path[: i + 1], a, b, path[j + 1 :]])
+            keep = np.ones(len(path), dtype=bool)
+            keep[1:] = np.linalg.norm(np.diff(path, axis=0), axis=1) > 1e-9
+            keep[-1] = True
+            path = path[keep]
+    return _drop_needless(context, path)
+
+
+def _drop_needless(context: ArmContext, path: Floats) -> Floats:
+    """Leave out waypoints between which the straight line is free."""
+    kept = [path[0]]
+    i = 0
+    while i < len(path) - 1:
+        j = len(path) - 1
+        while j > i + 1 and not context.path_is_free(np.array([path[i], path[j]])):
+            j -= 1
+        kept.append(path[j])
+        i = j
+    return np.array(kept)

@@ -1,0 +1,150 @@
+"""Obstructions and disturbances in one arrangement of the objects (paper, Sketch, SIW_R).
+
+An arrangement is where every object stands (None: it is held, or thought away). Answers are
+estimates by swept strips (`runtime.kernels.swept`), not by inverse kinematics: they depend
+on the arrangement alone, so the same state always has the same features.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from runtime.kernels import swept
+from runtime.kernels.swept import HEADINGS, STEP
+from runtime.pick_place.goals import GoalSites
+from runtime.pick_place.state import Grasp, Placement
+
+if TYPE_CHECKING:
+    from runtime.pick_place.task import Task
+    from runtime.scene.model import Floats
+
+Placements = tuple[Placement | None, ...]
+
+
+class Arrangement:
+    """The geometry of one arrangement, computed as far as it is asked for."""
+
+    def __init__(self, task: Task, placements: Placements) -> None:
+        self.task = task
+        self.placements = placements
+        n = len(placements)
+        self.present = np.array([placement is not None for placement in placements], dtype=bool)
+        # Objects that are away stand far off, where they bar nothing.
+        self.xy = np.full((n, 2), 1e3)
+        for i, placement in enumerate(placements):
+            if placement is not None:
+                self.xy[i] = placement.pose[:2]
+        self._alpha: dict[tuple[int, Grasp | None], int] = {}
+        self._places: dict[tuple[object, ...], tuple[Floats, Floats]] = {}
+
+    @cached_property
+    def barred(self) -> Floats:
+        """(n, n): headings at the place of object i that object j bars."""
+        task = self.task
+        barred = swept.barred_matrix(self.xy, task.grips, self.xy, task.radii, task.strip)
+        np.fill_diagonal(barred, 0)
+        return barred
+
+    @cached_property
+    def reachable(self) -> Floats:
+        """(n,): headings from which the robot could come to each object."""
+        return np.array(
+            [
+                0 if placement is None else self.task.reachable_at(placement)
+                for placement in self.placements
+            ],
+            dtype=np.int64,
+        )
+
+    @cached_property
+    def pick_counts(self) -> Floats:
+        """(n, K): how many objects bar each heading to each object."""
+        return swept.bar_counts(self.barred, self.present, self.reachable)
+
+    def free_headings(self, index: int) -> int:
+        """Bits of the headings along which an object can be picked right away."""
+        counts = self.pick_counts[index]
+        return sum(1 << k for k in range(HEADINGS) if counts[k] == 0)
+
+    def place_counts(self, goal: GoalSites) -> tuple[Floats, Floats]:
+        """For the sites of a goal: (S, n) barred headings, (S, K) counts."""
+        if goal.key not in self._places:
+            task = self.task
+            grips = np.full(len(goal.xy), task.grips.max())
+            barred = swept.barred_matrix(goal.xy, grips, self.xy, task.radii, task.strip)
+            counts = swept.bar_counts(barred, self.present, goal.reachable)
+            self._places[goal.key] = barred, counts
+        return self._places[goal.key]
+
+    def obstructions(self, index: int, goal: GoalSites, grasp: Grasp | None = None) -> int:
+        """alpha: fewest objects in the way of picking an object up and putting it at its
+        goal, with the same grasp for both; of putting it alone where it is held already."""
+        key = (index, grasp)
+        if key not in self._alpha:
+            self._alpha[key] = self._obstructions(index, goal, grasp, None)
+        return self._alpha[key]
+
+    def _obstructions(
+        self, index: int, goal: GoalSites, grasp: Grasp | None, extra: tuple[int, Placement] | None
+    ) -> int:
+        task = self.task
+        barred, counts = self.place_counts(goal)
+        plus_place = np.zeros(len(goal.xy), dtype=np.int64)
+        plus_pick = np.zeros(1, dtype=np.int64)
+        if extra is not None:
+            other, placement = extra
+            point = np.array([placement.pose[:2]])
+            radius = task.radii[other : other + 1]
+            grips = np.full(len(goal.xy), task.grips.max())
+            plus_place = swept.barred_matrix(goal.xy, grips, point, radius, task.strip)[:, 0]
+            plus_pick = swept.barred_matrix(
+                self.xy[index : index + 1], task.grips[index : index + 1], point, radius, task.strip
+            )[0]
+        modulus = goal.modulus
+        place = swept.residue_minima(counts, barred[:, index], plus_place, modulus)
+        placement_now = self.placements[index]
+        if placement_now is None:
+            if grasp is None or goal.yaw is None:
+                return int(place.min())
+            # The grasp fixes the heading of the approach for each heading of the object.
+            return int(place[round((goal.yaw + grasp.heading) / STEP) % modulus])
+        none = np.zeros(1, dtype=np.int64)
+        pick = swept.residue_minima(
+            self.pick_counts[index : index + 1], none, plus_pick, modulus
+        )
+        turn = 0 if goal.yaw is None else round((goal.yaw - placement_now.pose[2]) / STEP)
+        return int((pick + np.roll(place, -turn % modulus)).min())
+
+    def in_the_way(self, index: int, goal: GoalSites) -> list[int]:
+        """Objects that bar a least barred heading to an object, or to a site of its goal."""
+        found = set()
+        counts = self.pick_counts[index]
+        for k in np.flatnonzero(counts == counts.min()):
+            found |= {int(j) for j in np.flatnonzero((self.barred[index] >> k) & 1)}
+        barred, counts = self.place_counts(goal)
+        fewest = counts.min()
+        if fewest > 0:
+            for site, k in np.argwhere(counts == fewest):
+                found |= {int(j) for j in np.flatnonzero((barred[site] >> k) & 1)}
+        found.discard(index)
+        return sorted(found)
+
+    def disturbed_by(self, index: int, placement: Placement, misplaced: frozenset[int]) -> int:
+        """How many other misplaced objects would be obstructed more, were an object there.
+
+        The object itself must be away in this arrangement.
+        """
+        count = 0
+        for other in misplaced:
+            if other == index or self.placements[other] is None:
+                continue
+            goal = self.task.goal_sites(other, self)
+            if goal is None:
+                continue
+            before = self.obstructions(other, goal)
+            if self._obstructions(other, goal, None, (index, placement)) > before:
+                count += 1
+        return count

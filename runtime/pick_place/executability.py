@@ -1,0 +1,209 @@
+"""X: from a ground action to a motion, in three steps, cheapest first (paper, X and N).
+
+InArmWorkspace tests all candidates of a node at once; InverseKinematics finds a
+collision-free reach; MotionPlan joins it to the home posture by RRT-Connect, and plans the
+way of the base. A candidate that fails knows at which step.
+"""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Sequence
+
+import numpy as np
+
+from runtime.kernels.boxes import to_base_frame
+from runtime.motion import rrt
+from runtime.motion.arm_context import ArmContext
+from runtime.motion.base import BaseRoads, drive, footprint
+from runtime.motion.motion import ArmMove, BaseMove, GripperMove, Motion
+from runtime.pick_place.profile import Profile
+from runtime.pick_place.reach import Hand, Reach, ReachSolver, held_box, object_pose
+from runtime.pick_place.state import (
+    UNIT, Action, BasePose, Grasp, MoveBase, Pick, Place, Placement, State)
+from runtime.pick_place.task import Task
+from runtime.robot.model import Body, Floats
+from runtime.robot.urdf import invert
+
+REACH = 1.3
+"""Metres around the base axis within which boxes matter to the arm."""
+
+Target = tuple[int, Placement, Grasp]
+"""An object, where it stands or is to stand, and the grasp."""
+
+
+class Executor:
+    """Executability of the actions of one task; counts and times every step."""
+
+    def __init__(self, task: Task, seed: int, profile: Profile | None = None) -> None:
+        self.task = task
+        self.seed = seed
+        self.profile = profile or Profile()
+        self.solver = ReachSolver(task.robot)
+        self._roads: dict[object, BaseRoads] = {}
+
+    # -- step 1 --------------------------------------------------------------------------
+
+    def in_arm_workspace(self, base: BasePose, targets: Sequence[Target]) -> list[Target]:
+        """The targets that are within the arm's reach from a base pose."""
+        if not targets:
+            return []
+        step = self.profile.in_arm_workspace
+        with step.timed():
+            workspace = self.task.robot.workspace
+            x, y, yaw = base.pose
+            c, s = np.cos(yaw), np.sin(yaw)
+            cx, cy = workspace.centre
+            shoulder = (x + c * cx - s * cy, y + s * cx + c * cy)
+            pose = np.array([(p.x, p.y, p.yaw + g.angle) for _, p, g in targets]) * UNIT
+            dx = pose[:, 0] - workspace.wrist_offset * np.cos(pose[:, 2]) - shoulder[0]
+            dy = pose[:, 1] - workspace.wrist_offset * np.sin(pose[:, 2]) - shoulder[1]
+            distance = np.hypot(dx, dy)
+            inside = (distance >= workspace.inner) & (distance <= workspace.outer)
+        step.record(int(inside.sum()), len(targets))
+        return [target for target, ok in zip(targets, inside, strict=True) if ok]
+
+    # -- step 2 --------------------------------------------------------------------------
+
+    def inverse_kinematics(self, state: State, action: Pick | Place, seeds: int) -> Reach | None:
+        """A collision-free reach for a pick or place action, or None."""
+        step = self.profile.inverse_kinematics
+        with step.timed():
+            reach = self._reach(state, action, seeds)
+        step.record(reach is not None)
+        return reach
+
+    def _reach(self, state: State, action: Pick | Place, seeds: int) -> Reach | None:
+        task = self.task
+        index, placement, grasp = target_of(state, action)
+        shape = task.shapes[index]
+        hand = Hand.of(task.robot, shape, grasp)
+        if hand is None:
+            return None
+        x, y, yaw = state.base.pose
+        px, py, pyaw = placement.pose
+        c, s = np.cos(yaw), np.sin(yaw)
+        dx, dy = px - x, py - y
+        rest = task.scene.surfaces[placement.surface].rest
+        bottom = object_pose(c * dx + s * dy, c * dy - s * dx, pyaw - yaw, rest)
+        others = to_base_frame(task.world_rows(state, without=index), x, y, yaw, REACH)
+        row = task.scene.object_box(index, px, py, pyaw, placement.surface).row()
+        with_object = np.vstack([others, to_base_frame(row[None], x, y, yaw, np.inf)])
+        rng = np.random.default_rng(self._seed(state.base, placement, grasp))
+        return self.solver.solve(shape, hand, bottom, others, with_object, rng, seeds)
+
+    def _seed(self, *parts: object) -> int:
+        """A seed that depends on the question asked, not on what was asked before."""
+        return zlib.crc32(repr((self.seed, parts)).encode())
+
+    # -- step 3 --------------------------------------------------------------------------
+
+    def motion_plan(self, state: State, action: Action, reach: Reach | None) -> Motion | None:
+        """The complete motion of an action, or None."""
+        step = self.profile.motion_plan
+        with step.timed():
+            if isinstance(action, MoveBase):
+                motion = self._drive(state, action)
+            else:
+                assert reach is not None
+                motion = self._manipulate(state, action, reach)
+        step.record(motion is not None)
+        return motion
+
+    def _drive(self, state: State, action: MoveBase) -> Motion | None:
+        start, goal = state.base.pose, action.target.pose
+        route = self._roads_for(state).route(start[:2], goal[:2])
+        if route is None:
+            return None
+        return (BaseMove(drive(route, start[2], goal[2])),)
+
+    def _roads_for(self, state: State) -> BaseRoads:
+        """Roads among everything that stands; those of the static scene where no standing
+        object narrows them, which is the rule: tables keep the base further away."""
+        task = self.task
+        body = self._carried(state)
+        if body is None:
+            rings = task.footprint
+        else:
+            rings = footprint(task.robot, body)
+        key = rings.rings.tobytes()
+        rows = task.world_rows(state)
+        clearance = rings.clearances(rows)
+        fixed = len(task.statics)
+        narrow = [
+            i
+            for i in range(fixed, len(rows))
+            if clearance[i] > 0 and not _dominated(rows[i], clearance[i], rows[:fixed], clearance)
+        ]
+        chosen = np.r_[np.arange(fixed), np.array(narrow, dtype=int)]
+        full_key = (key, rows[narrow].tobytes())
+        if full_key not in self._roads:
+            self._roads[full_key] = BaseRoads(rows[chosen], clearance[chosen])
+        return self._roads[full_key]
+
+    def _carried(self, state: State) -> Body | None:
+        """The robot's boxes with the object that it carries, or None where it carries none."""
+        if state.held is None or state.grasp is None:
+            return None
+        shape = self.task.shapes[state.held]
+        hand = Hand.of(self.task.robot, shape, state.grasp)
+        assert hand is not None, "a held object fits the gripper"
+        return self.task.robot.body(hand.closed, held_box(shape, hand.tool_in_object))
+
+    def _manipulate(self, state: State, action: Pick | Place, reach: Reach) -> Motion | None:
+        task, robot = self.task, self.task.robot
+        index, placement, grasp = target_of(state, action)
+        x, y, yaw = state.base.pose
+        others = to_base_frame(task.world_rows(state, without=index), x, y, yaw, REACH)
+        px, py, pyaw = placement.pose
+        row = task.scene.object_box(index, px, py, pyaw, placement.surface).row()
+        with_object = np.vstack([others, to_base_frame(row[None], x, y, yaw, np.inf)])
+        box = held_box(task.shapes[index], invert(reach.grasp))
+        empty = ArmContext(robot, robot.body(reach.opening), with_object)
+        full = ArmContext(robot, robot.body(reach.closed, box), others)
+        seed = self._seed(state.base, placement, grasp, "motion")
+        there = rrt.plan(empty, robot.home, reach.approach[0], seed)
+        if there is None:
+            return None
+        back = rrt.plan(full, reach.retreat[-1], robot.home, seed + 1)
+        if back is None:
+            return None
+        if isinstance(action, Pick):
+            return (
+                GripperMove(reach.opening),
+                ArmMove(there, "free"),
+                ArmMove(reach.approach, "approach"),
+                GripperMove(reach.closed, attach=index),
+                ArmMove(reach.lift, "lift"),
+                ArmMove(reach.retreat, "retreat"),
+                ArmMove(back, "free"),
+            )
+        return (
+            ArmMove(back[::-1].copy(), "free"),
+            ArmMove(reach.retreat[::-1].copy(), "approach"),
+            ArmMove(reach.lift[::-1].copy(), "lower"),
+            GripperMove(reach.opening, release=index),
+            ArmMove(reach.approach[::-1].copy(), "retreat"),
+            ArmMove(there[::-1].copy(), "free"),
+        )
+
+
+def target_of(state: State, action: Pick | Place) -> Target:
+    """What a manipulation reaches for."""
+    if isinstance(action, Pick):
+        placement = state.placements[action.object]
+        assert placement is not None, "only standing objects are picked"
+        return action.object, placement, action.grasp
+    assert state.grasp is not None, "only held objects are placed"
+    return action.object, action.placement, state.grasp
+
+
+def _dominated(row: Floats, clearance: float, statics: Floats, clearances: Floats) -> bool:
+    """Whether some static box keeps the base away from a box at least as far as it does."""
+    reach = float(np.hypot(row[3], row[4]))
+    dx, dy = row[0] - statics[:, 0], row[1] - statics[:, 1]
+    lx = np.abs(statics[:, 6] * dx + statics[:, 7] * dy) + reach
+    ly = np.abs(statics[:, 6] * dy - statics[:, 7] * dx) + reach
+    inside = (lx <= statics[:, 3]) & (ly <= statics[:, 4])
+    slack = np.minimum(statics[:, 3] - lx, statics[:, 4] - ly)
+    return bool(np.any(inside & (clearance <= clearances[: len(statics)] + slack)))

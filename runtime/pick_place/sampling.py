@@ -1,0 +1,308 @@
+"""A: the ground actions of a subproblem, sampled at its start (paper, Ground Actions).
+
+Relevant objects and surfaces come first, grasps from the side that nothing bars first, and
+base poses where the sampled grasps can be taken. Each failure of a subproblem doubles the
+density and drops a restriction; in the end every grasp, placement and base pose can be
+sampled, which keeps the planner probabilistically complete.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from runtime.kernels import plane, swept
+from runtime.kernels.swept import HEADINGS, STEP
+from runtime.pick_place.executability import Executor, Target
+from runtime.pick_place.goals import GoalSites
+from runtime.pick_place.state import (
+    UNIT,
+    Action,
+    BasePose,
+    Grasp,
+    MoveBase,
+    Pick,
+    Place,
+    Placement,
+    State,
+)
+from runtime.pick_place.task import PLACING_INSET, Task
+
+GRASPS = 4
+PLACEMENTS = 7
+BASES = 7
+"""Published numbers of samples: grasps an object, placements and base poses a surface."""
+
+BIN = 0.1
+"""Placements fall into the least filled bins of this size, in metres, as published."""
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """The sampled parameters of one subproblem: A(s) for all its states s."""
+
+    executor: Executor
+    bases: tuple[BasePose, ...]
+    picks: tuple[tuple[int, tuple[Grasp, ...]], ...]
+    places: tuple[Placement, ...]
+    placed: int | None
+
+    def actions(self, state: State) -> Iterator[tuple[Action, State]]:
+        """Sampled ground actions in a state, and where each leads if it is executable.
+
+        Manipulations have passed InArmWorkspace. They come before base moves, and near
+        bases before far ones: within a layer of the breadth-first search, cheap first.
+        """
+        executor = self.executor
+        targets: list[Target] = []
+        if state.held is None:
+            for index, grasps in self.picks:
+                placement = state.placements[index]
+                if placement is not None:
+                    targets.extend((index, placement, grasp) for grasp in grasps)
+        elif state.grasp is not None and (self.placed is None or state.held == self.placed):
+            targets = [(state.held, placement, state.grasp) for placement in self.places]
+        for index, placement, grasp in executor.in_arm_workspace(state.base, targets):
+            action = Pick(index, grasp) if state.held is None else Place(index, placement)
+            yield action, state.after(action)
+        here = state.base
+        for base in sorted(self.bases, key=lambda b: (b.x - here.x) ** 2 + (b.y - here.y) ** 2):
+            if base != here:
+                move = MoveBase(base)
+                yield move, state.after(move)
+
+
+class Sampler:
+    """Samples the subproblems of one task."""
+
+    def __init__(self, task: Task, executor: Executor) -> None:
+        self.task = task
+        self.executor = executor
+
+    def sample(self, state: State, attempt: int, rng: np.random.Generator) -> Samples:
+        """Samples for the subproblem that starts in a state; `attempt` counts its failures."""
+        scale = 2**attempt
+        if state.held is None:
+            picks = self._picks(state, attempt, rng)
+            wanted = [
+                [(state.placements[index], grasp) for grasp in grasps] for index, grasps in picks
+            ]
+            places: list[Placement] = []
+        else:
+            picks = []
+            assert state.grasp is not None
+            places = self._placements(state, attempt, rng)
+            wanted = [[(placement, state.grasp)] for placement in places]
+        bases = self._bases(state, wanted, scale, rng)
+        return Samples(self.executor, tuple(bases), tuple(picks), tuple(places), state.held)
+
+    # -- grasps --------------------------------------------------------------------------
+
+    def _picks(
+        self, state: State, attempt: int, rng: np.random.Generator
+    ) -> list[tuple[int, tuple[Grasp, ...]]]:
+        task = self.task
+        arrangement = task.arrangement(state.placements)
+        picks = []
+        for index in self._relevant(state, attempt):
+            placement = state.placements[index]
+            assert placement is not None
+            free = arrangement.free_headings(index)
+            if not free:
+                if attempt == 0:
+                    continue
+                # The estimate may be wrong: try what geometry allows at all.
+                free = int(arrangement.reachable[index])
+            headings = pick_headings(free, GRASPS * 2**attempt, rng)
+            jitter = 0.0 if attempt == 0 else STEP / 2
+            height = task.shapes[index].grasp_height
+            grasps = tuple(
+                Grasp.of(
+                    k * STEP + rng.uniform(-jitter, jitter) - placement.yaw * UNIT,
+                    height,
+                    flipped=attempt > 0 and rng.random() < 0.3,
+                )
+                for k in headings
+            )
+            if grasps:
+                picks.append((index, grasps))
+        return picks
+
+    def _relevant(self, state: State, attempt: int) -> list[int]:
+        """Misplaced objects and those in their way, nearest first; all after a failure."""
+        task = self.task
+        arrangement = task.arrangement(state.placements)
+        standing = [i for i, placement in enumerate(state.placements) if placement is not None]
+        if attempt == 0:
+            misplaced = task.misplaced(state)
+            relevant = set(misplaced)
+            for index in misplaced:
+                goal = task.goal_sites(index, arrangement)
+                if goal is not None and task.obstructions(state, index) > 0:
+                    relevant |= set(arrangement.in_the_way(index, goal))
+            standing = [i for i in standing if i in relevant]
+        x, y = state.base.x, state.base.y
+        return sorted(
+            standing,
+            key=lambda i: (state.placements[i].x - x) ** 2 + (state.placements[i].y - y) ** 2,  # type: ignore[union-attr]
+        )
+
+    # -- placements ----------------------------------------------------------------------
+
+    def _placements(self, state: State, attempt: int, rng: np.random.Generator) -> list[Placement]:
+        """Goal placements of the held object; elsewhere where these do not serve."""
+        task = self.task
+        index, grasp = state.held, state.grasp
+        assert index is not None
+        assert grasp is not None
+        arrangement = task.arrangement(state.placements)
+        goal = task.goal_sites(index, arrangement)
+        number = PLACEMENTS * 2**attempt
+        found: list[Placement] = []
+        if goal is not None and task.obstructions(state, index) == 0:
+            found = self._goal_placements(state, goal, number, rng)
+            if attempt == 0 and any(task.disturbed_by(state, index, p) == 0 for p in found):
+                return found
+        for surface in range(len(task.scene.surfaces)):
+            found += self._free_placements(state, surface, number, rng)
+        return found
+
+    def _goal_placements(
+        self, state: State, goal: GoalSites, number: int, rng: np.random.Generator
+    ) -> list[Placement]:
+        if goal.region is not None:
+            return self._free_placements(state, goal.surface, number, rng)
+        assert state.held is not None
+        assert state.grasp is not None
+        found = []
+        for x, y in goal.xy:
+            if goal.yaw is not None:
+                step = 2 * math.pi / goal.symmetry
+                yaws = [goal.yaw + i * step for i in range(goal.symmetry)]
+            else:
+                headings = pick_headings(self._free_at(state, x, y, goal.surface), number, rng)
+                yaws = [k * STEP - state.grasp.heading for k in headings]
+            found += [Placement.of(x, y, yaw, goal.surface) for yaw in yaws]
+        return found
+
+    def _free_placements(
+        self, state: State, surface_index: int, number: int, rng: np.random.Generator
+    ) -> list[Placement]:
+        """Random unoccupied placements on a surface, in its least filled bins, with a
+        heading for which the held object's grasp can come in where nothing bars it."""
+        task = self.task
+        assert state.held is not None
+        assert state.grasp is not None
+        surface = task.scene.surfaces[surface_index]
+        arrangement = task.arrangement(state.placements)
+        inset = task.shapes[state.held].outer_radius + PLACING_INSET
+        spans = [half - inset for half in surface.half]
+        if min(spans) <= 0:
+            return []
+        bins = [max(1, int(2 * span / BIN)) for span in spans]
+        load = np.zeros(bins[0] * bins[1])
+        for placement in state.placements:
+            if placement is not None and placement.surface == surface_index:
+                lx, ly = surface.table.local(*placement.pose[:2])
+                i = min(bins[0] - 1, max(0, int((lx + spans[0]) / (2 * spans[0]) * bins[0])))
+                j = min(bins[1] - 1, max(0, int((ly + spans[1]) / (2 * spans[1]) * bins[1])))
+                load[i * bins[1] + j] += 1
+        order = np.argsort(load + rng.uniform(0.0, 0.9, len(load)))
+        radius = float(task.radii[state.held])
+        low, high = surface.rest, surface.rest + task.shapes[state.held].size[2]
+        found: list[Placement] = []
+        for turn in range(3):
+            for cell in order:
+                i, j = divmod(int(cell), bins[1])
+                lx = -spans[0] + (i + rng.random()) * 2 * spans[0] / bins[0]
+                ly = -spans[1] + (j + rng.random()) * 2 * spans[1] / bins[1]
+                x, y = surface.table.world(lx, ly)
+                if swept.occupied(x, y, radius, arrangement.xy, task.radii):
+                    continue
+                if swept.nearest_static(x, y, task.statics, low, high) < radius:
+                    continue
+                free = self._free_at(state, x, y, surface_index)
+                if not free and turn < 2:
+                    continue
+                for k in pick_headings(free or swept.ALL, 1, rng):
+                    yaw = k * STEP - state.grasp.heading
+                    found.append(Placement.of(x, y, yaw, surface_index))
+                if len(found) >= number:
+                    return found
+        return found
+
+    def _free_at(self, state: State, x: float, y: float, surface: int) -> int:
+        """Headings along which nothing bars the way to a site that is not occupied."""
+        task = self.task
+        assert state.held is not None
+        arrangement = task.arrangement(state.placements)
+        site = np.array([[x, y]])
+        grip = task.grips[state.held : state.held + 1]
+        barred = swept.barred_matrix(site, grip, arrangement.xy, task.radii, task.strip)[0]
+        reachable = int(task.reachable_sites(site, task.scene.surfaces[surface].rest)[0])
+        return reachable & ~int(np.bitwise_or.reduce(barred)) if len(barred) else reachable
+
+    # -- base poses ----------------------------------------------------------------------
+
+    def _bases(
+        self,
+        state: State,
+        wanted: Sequence[Sequence[tuple[Placement | None, Grasp]]],
+        scale: int,
+        rng: np.random.Generator,
+    ) -> list[BasePose]:
+        """Base poses from which the wanted grasps can be taken: one grasp of every object
+        first, then the next of every object, up to a number for each surface."""
+        limit = BASES * scale
+        count: dict[int, int] = {}
+        bases: list[BasePose] = []
+        for turn in range(max((len(targets) for targets in wanted), default=0)):
+            for targets in wanted:
+                if turn >= len(targets):
+                    continue
+                placement, grasp = targets[turn]
+                if placement is None or count.get(placement.surface, 0) >= limit:
+                    continue
+                base = self._base_for(placement, grasp, rng)
+                if base is not None:
+                    bases.append(base)
+                    count[placement.surface] = count.get(placement.surface, 0) + 1
+        return bases
+
+    def _base_for(
+        self, placement: Placement, grasp: Grasp, rng: np.random.Generator
+    ) -> BasePose | None:
+        """A random base pose from which the wrist of a grasp is in the arm's workspace."""
+        workspace = self.task.robot.workspace
+        x, y, yaw = placement.pose
+        heading = yaw + grasp.heading
+        wx = x - workspace.wrist_offset * math.cos(heading)
+        wy = y - workspace.wrist_offset * math.sin(heading)
+        tries = 48
+        # Straight behind the gripper is easiest for the arm; stray further try by try.
+        bearing = heading + rng.normal(size=tries) * np.linspace(0.2, 1.2, tries)
+        reach = rng.uniform(workspace.inner, workspace.outer, tries)
+        turn = rng.uniform(-0.4, 0.4, tries)
+        cx, cy = workspace.centre
+        roads = self.task.roads
+        for b, r, t in zip(bearing, reach, turn, strict=True):
+            hx, hy = wx - r * math.cos(b), wy - r * math.sin(b)
+            facing = math.atan2(y - hy, x - hx) + t
+            c, s = math.cos(facing), math.sin(facing)
+            bx, by = hx - c * cx + s * cy, hy - s * cx - c * cy
+            if plane.point_is_clear(roads.boxes, roads.clearance, bx, by):
+                return BasePose.of(bx, by, facing)
+        return None
+
+
+def pick_headings(bits: int, number: int, rng: np.random.Generator) -> list[int]:
+    """Up to `number` of the headings whose bits are set, spread around the circle."""
+    headings = [k for k in range(HEADINGS) if (bits >> k) & 1]
+    if len(headings) <= number:
+        return headings
+    start = rng.integers(len(headings))
+    places = (start + np.arange(number) * len(headings) / number) % len(headings)
+    return [headings[int(i)] for i in places]

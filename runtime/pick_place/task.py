@@ -1,0 +1,214 @@
+"""A scene and a robot: everything about a run that does not change, and the domain's
+functions over states (misplaced, obstructions, disturbances, ...)."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+
+import numpy as np
+
+from runtime.errors import InputError
+from runtime.kernels import swept
+from runtime.motion.base import BaseRoads, Footprint, footprint
+from runtime.pick_place.arrangement import Arrangement, Placements
+from runtime.pick_place.goals import GoalSites, lattice
+from runtime.pick_place.shapes import Shape, box_shape
+from runtime.pick_place.state import BasePose, Placement, State
+from runtime.robot.model import Floats, RobotModel
+from runtime.scene.model import PoseGoal, RegionGoal, Scene
+
+ROUND = 1.2
+"""Radius, over half the side, of the round shape that stands for a box in the estimates."""
+
+CACHED_ARRANGEMENTS = 512
+PLACING_INSET = 0.005
+"""Metres between the edge of a surface and the outline of an object placed on it."""
+
+
+class Task:
+    """One pick-and-place task: the features and the sampler ask it about states."""
+
+    def __init__(self, scene: Scene, robot: RobotModel) -> None:
+        self.scene = scene
+        self.robot = robot
+        self.shapes: tuple[Shape, ...] = tuple(box_shape(o.size) for o in scene.objects)
+        half = np.array([shape.inner_radius for shape in self.shapes])
+        self.grips: Floats = half
+        self.radii: Floats = half * ROUND
+        strip = robot.strip
+        self.strip: Floats = np.array(
+            [
+                strip.finger_back,
+                strip.finger_tip,
+                strip.arm_length,
+                strip.arm_half_width,
+                strip.finger_width,
+            ]
+        )
+        self.statics: Floats = scene.obstacle_rows
+        self.footprint: Footprint = footprint(robot, robot.body(robot.gripper.max_opening))
+        self.clearance: Floats = self.footprint.clearances(self.statics)
+        self.roads = BaseRoads(self.statics, self.clearance)
+        self._arrangements: OrderedDict[Placements, Arrangement] = OrderedDict()
+        self._reachable: dict[Placement, int] = {}
+        self.goals = self._static_goals()
+        self.initial = self._initial()
+
+    # -- set-up ---------------------------------------------------------------------------
+
+    def _initial(self) -> State:
+        x, y, yaw = self.scene.robot_start
+        if not self.roads.is_clear(x, y):
+            raise InputError(
+                f"the robot cannot stand at ({x:g}, {y:g}): it would touch a table or the fence",
+                place=f"{self.scene.name}: robot_start",
+            )
+        placements = tuple(
+            Placement.of(*thing.start, thing.surface) for thing in self.scene.objects
+        )
+        return State(BasePose.of(x, y, yaw), placements, task=self)
+
+    def _static_goals(self) -> dict[int, GoalSites]:
+        """Goal sites of the objects whose goal does not depend on the state."""
+        regions: dict[int, GoalSites] = {}
+        goals: dict[int, GoalSites] = {}
+        for index, goal in self.scene.goals.items():
+            surface = self.scene.surfaces[goal.surface]
+            if isinstance(goal, RegionGoal):
+                if goal.surface not in regions:
+                    inset = max(s.outer_radius for s in self.shapes) + PLACING_INSET
+                    xy = lattice(surface, inset)
+                    regions[goal.surface] = GoalSites(
+                        ("region", goal.surface),
+                        goal.surface,
+                        xy,
+                        self.reachable_sites(xy, surface.rest),
+                        0.0,
+                        region=surface,
+                    )
+                goals[index] = regions[goal.surface]
+            else:
+                goals[index] = self._pose_goal(index, goal)
+        return goals
+
+    def _pose_goal(self, index: int, goal: PoseGoal) -> GoalSites:
+        xy = np.array([[goal.x, goal.y]])
+        rest = self.scene.surfaces[goal.surface].rest
+        reachable = self.reachable_sites(xy, rest)
+        return GoalSites(("pose", index), goal.surface, xy, reachable, goal.tolerance)
+
+    def reachable_sites(self, xy: Floats, rest: float) -> Floats:
+        """Bits of the headings (S,) from which the robot could grasp at sites (S, 2)."""
+        workspace = self.robot.workspace
+        height = rest + min(shape.grasp_height for shape in self.shapes)
+        return swept.reachable_headings(
+            xy,
+            self.strip,
+            np.array(workspace.centre),
+            workspace.wrist_offset,
+            workspace.inner,
+            workspace.outer,
+            self.statics,
+            self.clearance,
+            height - 0.03,
+            height + 0.03,
+        )
+
+    def reachable_at(self, placement: Placement) -> int:
+        """Bits of the headings from which the robot could grasp an object placed there."""
+        if placement not in self._reachable:
+            x, y, _ = placement.pose
+            rest = self.scene.surfaces[placement.surface].rest
+            self._reachable[placement] = int(self.reachable_sites(np.array([[x, y]]), rest)[0])
+        return self._reachable[placement]
+
+    # -- the domain's functions -------------------------------------------------------------
+
+    def arrangement(self, placements: Placements) -> Arrangement:
+        """The geometry of an arrangement, from the cache where it is known."""
+        found = self._arrangements.get(placements)
+        if found is None:
+            found = Arrangement(self, placements)
+            self._arrangements[placements] = found
+            if len(self._arrangements) > CACHED_ARRANGEMENTS:
+                self._arrangements.popitem(last=False)
+        return found
+
+    def goal_sites(self, index: int, arrangement: Arrangement) -> GoalSites | None:
+        """Where an object should stand, or None where it may stand anywhere."""
+        return self.goals.get(index)
+
+    def misplaced(self, state: State) -> frozenset[int]:
+        """Objects that stand outside their goal, or are held and their goal is blocked."""
+        arrangement = self.arrangement(state.placements)
+        found = []
+        for index, placement in enumerate(state.placements):
+            goal = self.goal_sites(index, arrangement)
+            if goal is None:
+                continue
+            if placement is not None:
+                if not goal.holds(placement):
+                    found.append(index)
+            elif arrangement.obstructions(index, goal, state.grasp) > 0:
+                found.append(index)
+        return frozenset(found)
+
+    def obstructions(self, state: State, index: int) -> int:
+        """alpha of an object: fewest objects in the way of picking it up and of putting it
+        at its goal with the same grasp (0 for an object without a goal)."""
+        arrangement = self.arrangement(state.placements)
+        goal = self.goal_sites(index, arrangement)
+        if goal is None:
+            return 0
+        grasp = state.grasp if state.held == index else None
+        return arrangement.obstructions(index, goal, grasp)
+
+    def goal_placements(self, state: State, index: int) -> tuple[Placement, ...]:
+        """Goal placements of an object that no other object occupies."""
+        arrangement = self.arrangement(state.placements)
+        goal = self.goal_sites(index, arrangement)
+        if goal is None:
+            return ()
+        others = np.arange(len(state.placements)) != index
+        points, radii = arrangement.xy[others], self.radii[others]
+        return tuple(
+            placement
+            for placement, (x, y) in zip(goal.placements(), goal.xy, strict=True)
+            if not swept.occupied(x, y, self.radii[index], points, radii)
+        )
+
+    def disturbed_by(self, state: State, index: int, placement: Placement) -> int:
+        """How many other misplaced objects are obstructed more with the object there."""
+        return self._without(state, index).disturbed_by(index, placement, self.misplaced(state))
+
+    def disturbances(self, state: State, index: int) -> int:
+        """beta of an object: fewest misplaced objects that a goal place of it blocks."""
+        arrangement = self.arrangement(state.placements)
+        goal = self.goal_sites(index, arrangement)
+        if goal is None:
+            return 0
+        misplaced = self.misplaced(state)
+        without = self._without(state, index)
+        fewest = len(misplaced)
+        for placement in self.goal_placements(state, index) or goal.placements():
+            fewest = min(fewest, without.disturbed_by(index, placement, misplaced))
+            if fewest == 0:
+                break
+        return fewest
+
+    def _without(self, state: State, index: int) -> Arrangement:
+        placements = state.placements
+        if placements[index] is not None:
+            placements = (*placements[:index], None, *placements[index + 1 :])
+        return self.arrangement(placements)
+
+    # -- what actions need -------------------------------------------------------------------
+
+    def world_rows(self, state: State, without: int | None = None) -> Floats:
+        """Obstacles and standing objects packed for the kernels (w, 8)."""
+        rows = [
+            self.scene.object_box(i, *placement.pose, placement.surface).row()
+            for i, placement in enumerate(state.placements)
+            if placement is not None and i != without
+        ]
+        return np.vstack([self.statics, *rows]) if rows else self.statics

@@ -1,0 +1,215 @@
+"""Make a `RobotModel` of a robot file (TOML) and the URDF that it names."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from runtime.errors import InputError
+from runtime.robot.model import (
+    ArmWorkspace,
+    Chain,
+    Gripper,
+    MobileBase,
+    PlacedBox,
+    RobotModel,
+    Strip,
+)
+from runtime.robot.urdf import Box, Joint, Pose, Urdf, compose, identity, invert, read_urdf
+from runtime.tables import Table, read_toml
+
+BUILT_IN = Path(__file__).parent
+
+
+def built_in_robots() -> list[str]:
+    """Names of the robots that come with the package."""
+    return sorted(path.parent.name for path in BUILT_IN.glob("*/*.toml"))
+
+
+def load_robot(name: str | Path) -> RobotModel:
+    """Load a robot by name (`tiago`) or by the path of its TOML file.
+
+    Raises:
+        InputError: no such robot, or a file that does not describe one.
+    """
+    path = Path(name)
+    if path.suffix != ".toml":
+        path = BUILT_IN / str(name) / f"{name}.toml"
+        if not path.is_file():
+            known = ", ".join(built_in_robots())
+            raise InputError(
+                f"unknown robot {str(name)!r}",
+                hint=f"built in: {known}; or give the path of a robot file ending in .toml",
+            )
+    table = read_toml(path)
+    urdf_path = path.parent / table.text("urdf")
+    urdf = read_urdf(urdf_path)
+    digest = hashlib.sha256(path.read_bytes() + urdf_path.read_bytes()).hexdigest()
+    robot = _build(table, urdf, digest)
+    table.finish()
+    return robot
+
+
+def _build(table: Table, urdf: Urdf, digest: str) -> RobotModel:
+    root, tip = table.text("base_link"), table.text("tool_link")
+    names = tuple(table.texts("joints"))
+    fixed = table.table("fixed_joints", optional=True).all_numbers()
+    gripper = table.table("gripper")
+    finger_names = gripper.texts("finger_joints")
+    chain = urdf.chain(root, tip)
+    movable = [joint.name for joint in chain if joint.type != "fixed"]
+    if movable != list(names):
+        raise table.error("joints", f"the moving joints from {root} to {tip} are {movable}")
+    origins, tool, frames = _fold(urdf, root, chain, {**fixed, **dict.fromkeys(finger_names, 0.0)})
+    moving = [joint for joint in chain if joint.type != "fixed"]
+    boxes = tuple(
+        PlacedBox(link, frame, Box(box.name, compose(pose, box.pose), box.half))
+        for link, (frame, pose) in frames.items()
+        for box in urdf.boxes[link]
+    )
+    home = np.array(table.numbers("home"))
+    if len(home) != len(names):
+        raise table.error("home", f"{len(home)} values for {len(names)} joints")
+    lower = np.array([joint.lower for joint in moving])
+    upper = np.array([joint.upper for joint in moving])
+    if np.any(home < lower) or np.any(home > upper):
+        raise table.error("home", "outside the joint limits")
+    base, workspace, strip = table.table("base"), table.table("workspace"), table.table("strip")
+    centre = workspace.numbers("centre", 2)
+    return RobotModel(
+        name=table.text("name"),
+        joints=names,
+        lower=lower,
+        upper=upper,
+        velocity=np.array([joint.velocity for joint in moving]),
+        acceleration=np.array(table.numbers("acceleration", len(names))),
+        chain=Chain(np.array(origins), np.array([j.type == "prismatic" for j in moving])),
+        tool=tool,
+        boxes=boxes,
+        pairs=_pairs(boxes, table),
+        gripper=_gripper(gripper, urdf, boxes, tool, finger_names),
+        base=MobileBase(
+            base.number("velocity"),
+            base.number("acceleration"),
+            base.number("angular_velocity"),
+            base.number("angular_acceleration"),
+        ),
+        workspace=ArmWorkspace(
+            (centre[0], centre[1]),
+            workspace.number("wrist_offset"),
+            workspace.number("inner"),
+            workspace.number("outer"),
+        ),
+        strip=Strip(
+            strip.number("finger_back"),
+            strip.number("finger_tip"),
+            strip.number("finger_width"),
+            strip.number("arm_length"),
+            strip.number("arm_half_width"),
+        ),
+        home=home,
+        digest=digest,
+    )
+
+
+def _joint_pose(joint: Joint, value: float) -> Pose:
+    """Pose of the child link in the parent link for a joint held at a value."""
+    motion = identity()
+    if joint.type == "prismatic":
+        motion[:, 3] = joint.axis * value
+    elif joint.type in {"revolute", "continuous"} and value:
+        x, y, z = joint.axis
+        k = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+        motion[:, :3] += math.sin(value) * k + (1 - math.cos(value)) * (k @ k)
+    return compose(joint.origin, motion)
+
+
+def _align_z(axis: np.ndarray) -> Pose:
+    """A rotation that takes z to the given axis: kernels turn every joint about z."""
+    pose = identity()
+    z = axis / np.linalg.norm(axis)
+    if abs(z[2]) < 1 - 1e-12:
+        x = np.cross([0.0, 0.0, 1.0], z)
+        x /= np.linalg.norm(x)
+        pose[:, :3] = np.column_stack([x, np.cross(z, x), z])
+    elif z[2] < 0:
+        pose[:, :3] = np.diag([1.0, -1.0, -1.0])
+    return pose
+
+
+def _fold(
+    urdf: Urdf, root: str, chain: Sequence[Joint], fixed: dict[str, float]
+) -> tuple[list[Pose], Pose, dict[str, tuple[int, Pose]]]:
+    """Fold fixed joints away: origins of the moving joints, tool pose in the last frame,
+    and for every link the frame it moves with and its pose there."""
+    origins: list[Pose] = []
+    in_chain = {joint.child for joint in chain}
+    frames: dict[str, tuple[int, Pose]] = {root: (0, identity())}
+    for joint in chain:
+        index, pose = frames[joint.parent]
+        if joint.type == "fixed":
+            frames[joint.child] = (index, compose(pose, joint.origin))
+        else:
+            align = _align_z(joint.axis)
+            origins.append(compose(compose(pose, joint.origin), align))
+            frames[joint.child] = (len(origins), invert(align))
+    tool = frames[chain[-1].child][1]
+    pending = [joint for joint in urdf.joints.values() if joint.child not in in_chain]
+    while pending:
+        ready = [joint for joint in pending if joint.parent in frames]
+        if not ready:
+            break
+        for joint in ready:
+            index, pose = frames[joint.parent]
+            value = fixed.get(joint.name, 0.0)
+            frames[joint.child] = (index, compose(pose, _joint_pose(joint, value)))
+        pending = [joint for joint in pending if joint not in ready]
+    return origins, tool, frames
+
+
+def _pairs(boxes: Sequence[PlacedBox], table: Table) -> tuple[tuple[int, int], ...]:
+    """Pairs of boxes tested for self-collision: on different frames, not listed as ignored."""
+    ignored = {frozenset(pair) for pair in table.pairs("ignored_collisions")}
+    links = {placed.link for placed in boxes}
+    for name in {name for pair in ignored for name in pair}:
+        if name not in links:
+            raise table.error("ignored_collisions", f"no collision shape on a link {name!r}")
+    return tuple(
+        (i, j)
+        for j, b in enumerate(boxes)
+        for i, a in enumerate(boxes[:j])
+        if a.frame != b.frame and frozenset((a.link, b.link)) not in ignored
+    )
+
+
+def _gripper(
+    table: Table,
+    urdf: Urdf,
+    boxes: Sequence[PlacedBox],
+    tool: Pose,
+    finger_names: Iterable[str],
+) -> Gripper:
+    by_name = {joint.name: joint for joint in urdf.joints.values()}
+    fingers: list[tuple[int, float]] = []
+    opening = 0.0
+    for name in finger_names:
+        if name not in by_name:
+            raise table.error("finger_joints", f"the URDF has no joint {name!r}")
+        joint = by_name[name]
+        opening += joint.upper
+        for i, placed in enumerate(boxes):
+            if placed.link == joint.child:
+                side = float((placed.box.pose[:, 3] - tool[:, 3]) @ tool[:, 1])
+                fingers.append((i, math.copysign(1.0, side)))
+    return Gripper(
+        fingers=tuple(fingers),
+        max_opening=opening,
+        clearance=table.number("clearance"),
+        time=table.number("time"),
+        links=frozenset(table.texts("links")),
+        joints=tuple(finger_names),
+    )

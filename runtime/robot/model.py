@@ -1,0 +1,177 @@
+"""A mobile manipulator as the planner sees it: a chain, its boxes, a gripper, a base."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from runtime.kernels import arm
+from runtime.robot.urdf import Box, Pose, compose
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+class Chain(NamedTuple):
+    """Arrays of a serial chain, as `runtime.kernels.arm` takes them."""
+
+    origins: Floats  # (n, 3, 4)
+    prismatic: NDArray[np.bool_]  # (n,)
+
+
+class Body(NamedTuple):
+    """Boxes fixed to the frames of a chain, as `runtime.kernels.arm` takes them."""
+
+    frame: Ints  # (m,)
+    pose: Floats  # (m, 3, 4)
+    half: Floats  # (m, 3)
+    radius: Floats  # (m,)
+    pairs: Ints  # (k, 2)
+
+
+@dataclass(frozen=True)
+class PlacedBox:
+    """A collision box, the frame it moves with and the link it belongs to."""
+
+    link: str
+    frame: int
+    box: Box
+
+
+@dataclass(frozen=True)
+class Gripper:
+    """A parallel gripper. Fingers close along y of the tool frame and approach along x.
+
+    `fingers` are (box index, direction of opening along y: +1 or -1). Lengths in metres.
+    """
+
+    fingers: tuple[tuple[int, float], ...]
+    max_opening: float
+    clearance: float
+    time: float
+    links: frozenset[str]
+    joints: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class MobileBase:
+    """Speed limits of a differential-drive base, m/s, m/s^2, rad/s, rad/s^2."""
+
+    velocity: float
+    acceleration: float
+    angular_velocity: float
+    angular_acceleration: float
+
+
+@dataclass(frozen=True)
+class ArmWorkspace:
+    """The annulus of InArmWorkspace (paper, Executability) around the shoulder axis, in the
+    base frame. It bounds the wrist, `wrist_offset` behind the grasp centre. Metres."""
+
+    centre: tuple[float, float]
+    wrist_offset: float
+    inner: float
+    outer: float
+
+
+@dataclass(frozen=True)
+class Strip:
+    """What a horizontal approach sweeps in the plane, from the grasp centre: metres.
+
+    Fingers from `finger_back` behind to `finger_tip` in front, `finger_width` wide on each
+    side of the object; behind them palm, wrist and forearm to `arm_length`.
+    """
+
+    finger_back: float
+    finger_tip: float
+    finger_width: float
+    arm_length: float
+    arm_half_width: float
+
+
+@dataclass(frozen=True, eq=False)
+class RobotModel:
+    """A robot: planning joints (lift and arm) in chain order, boxes, gripper, base.
+
+    `tool` is the grasp frame in the last frame of the chain. `home` is the posture in which
+    the robot drives. Limits in rad or m, velocities and accelerations a second.
+    """
+
+    name: str
+    joints: tuple[str, ...]
+    lower: Floats
+    upper: Floats
+    velocity: Floats
+    acceleration: Floats
+    chain: Chain
+    tool: Pose
+    boxes: tuple[PlacedBox, ...]
+    pairs: tuple[tuple[int, int], ...]
+    gripper: Gripper
+    base: MobileBase
+    workspace: ArmWorkspace
+    strip: Strip
+    home: Floats
+    digest: str
+
+    def body(self, opening: float, held: Box | None = None) -> Body:
+        """The robot's boxes with the fingers `opening` metres apart, holding a box or not.
+
+        The held box is given in the tool frame. It may touch the gripper, nothing else.
+        """
+        frames = [b.frame for b in self.boxes]
+        poses = [b.box.pose for b in self.boxes]
+        halves = [b.box.half for b in self.boxes]
+        pairs = list(self.pairs)
+        for index, direction in self.gripper.fingers:
+            poses[index] = self._finger_pose(index, direction * opening / 2)
+        if held is not None:
+            last = len(self.joints)
+            pairs += [
+                (i, len(frames))
+                for i, placed in enumerate(self.boxes)
+                if placed.link not in self.gripper.links
+            ]
+            frames.append(last)
+            poses.append(compose(self.tool, held.pose))
+            halves.append(held.half)
+        half = np.array(halves)
+        return Body(
+            np.array(frames, dtype=np.int64),
+            np.array(poses),
+            half,
+            np.linalg.norm(half, axis=1),
+            np.array(pairs, dtype=np.int64).reshape(-1, 2),
+        )
+
+    def _finger_pose(self, index: int, offset: float) -> Pose:
+        pose = self.boxes[index].box.pose.copy()
+        pose[:, 3] += self.tool[:, 1] * offset
+        return pose
+
+    @cached_property
+    def reach(self) -> Floats:
+        """How far any point of the robot, a held object included, moves at most for one
+        unit (rad, m) of each planning joint, shape (n,)."""
+        held = 0.3  # metres beyond the tool frame: a held object's farthest corner
+        lengths = np.linalg.norm(self.chain.origins[:, :, 3], axis=1)
+        tail = float(np.linalg.norm(self.tool[:, 3])) + held
+        # Distance from a joint to the far end is at most the lengths of what follows it,
+        # a prismatic joint at its full extension.
+        extension = np.where(self.chain.prismatic, np.maximum(abs(self.lower), self.upper), 0.0)
+        beyond = np.cumsum((lengths + extension)[::-1])[::-1] - lengths
+        return np.where(self.chain.prismatic, 1.0, beyond + tail)
+
+    def frames(self, q: Floats) -> Floats:
+        """Poses (n + 1, 3, 4) of all frames in the base frame."""
+        out = np.empty((len(self.joints) + 1, 3, 4))
+        arm.forward(self.chain.origins, self.chain.prismatic, q, out)
+        return out
+
+    def tool_pose(self, q: Floats) -> Pose:
+        """Pose of the tool frame in the base frame."""
+        return compose(self.frames(q)[-1], self.tool)

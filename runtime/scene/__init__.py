@@ -1,0 +1,1 @@
+"""Scenes: tables, walls, objects, goals and where the robot starts, from TOML files."""

@@ -1,0 +1,30 @@
+"""Time and patience of a search."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, field
+
+
+class OutOfTimeError(Exception):
+    """The time given to a search is over."""
+
+
+@dataclass
+class Limits:
+    """`timeout` in seconds from the start; `k_max` bounds the width of IW(k); `attempts`
+    is how often a subproblem is sampled before it is given up."""
+
+    timeout: float | None = None
+    k_max: int = 2
+    attempts: int = 5
+    start: float = field(default_factory=time.perf_counter)
+
+    def elapsed(self) -> float:
+        """Seconds since the start."""
+        return time.perf_counter() - self.start
+
+    def check(self) -> None:
+        """Raise `OutOfTimeError` where the time is over."""
+        if self.timeout is not None and self.elapsed() > self.timeout:
+            raise OutOfTimeError

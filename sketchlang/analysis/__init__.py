@@ -1,0 +1,1 @@
+"""Analyses over `SketchModel`: termination with evidence, coverage, graphs."""

@@ -1,0 +1,132 @@
+"""Rules as operations on valuations, and valuations as integers.
+
+A valuation is one bit a feature: bit f is 1 where the Boolean is true or the nat is > 0
+(the paper calls it an abstract state). The policy graph has an edge for each way in which a
+rule can change a valuation, and for each feature on its own the ways are few:
+
+    effect          bit before -> after
+    p, n++          anything -> 1
+    !p              anything -> 0
+    n--             1 -> 0 or 1
+    ?               anything -> anything
+    !n++            0 -> 0,  1 -> 0 or 1
+    !n--            0 -> 0 or 1,  1 -> 1
+    not named       unchanged
+
+`RuleBits` holds these as masks, so that the successors of a valuation under a rule are
+`base | s` for every subset `s` of a mask of free bits: nobody has to list 2^n of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from sketchlang.model import Effect, Kind, Rule, SketchModel
+
+RAISES = frozenset({Effect.INC, Effect.ANY, Effect.NOT_DEC})
+"""Effects under which a nat may rise."""
+
+LOWERS = frozenset({Effect.DEC, Effect.ANY, Effect.NOT_INC})
+"""Effects under which a nat may fall."""
+
+
+@dataclass(frozen=True, slots=True)
+class RuleBits:
+    """One rule as masks over feature bits.
+
+    The rule applies to valuations v with `v & needs == wants` (its conditions, and a 1 for
+    every nat that it lowers by `n--`). Of the features named in the effects each is in one
+    of `sets`, `clears`, `free`, `sinks` (1 may become 0) and `climbs` (0 may become 1).
+    `falls`, `rises`, `may_fall` and `may_rise` are about values, nats only: strict change,
+    and possible change. A rule is `dead` if its own conditions make an effect impossible.
+    """
+
+    index: int
+    needs: int
+    wants: int
+    sets: int
+    clears: int
+    free: int
+    sinks: int
+    climbs: int
+    falls: int
+    rises: int
+    may_fall: int
+    may_rise: int
+    dead: bool
+
+    def fan(self, valuation: int) -> tuple[int, int]:
+        """`(base, free)`: the successors of a valuation are `base | s`, s a subset of `free`."""
+        free = self.free | (self.sinks & valuation) | (self.climbs & ~valuation)
+        return (valuation & ~(self.clears | free)) | self.sets, free
+
+    def pairs(self, feature: int) -> tuple[tuple[int, int], ...]:
+        """The (before, after) bits of one feature that the rule allows."""
+        bit = 1 << feature
+        result = []
+        for before in (0, bit):
+            if (before ^ self.wants) & self.needs & bit:
+                continue
+            base, free = self.fan(before)
+            if free & bit:
+                result += [(int(before > 0), 0), (int(before > 0), 1)]
+            else:
+                result.append((int(before > 0), int(base & bit > 0)))
+        return tuple(result)
+
+
+def rule_bits(model: SketchModel) -> tuple[RuleBits, ...]:
+    """All rules of a sketch as masks, in order."""
+    return tuple(_masks(model, index, rule) for index, rule in enumerate(model.rules))
+
+
+def _masks(model: SketchModel, index: int, rule: Rule) -> RuleBits:
+    needs = wants = 0
+    for feature, positive in rule.conditions.items():
+        needs |= 1 << feature
+        wants |= positive << feature
+    by_effect = dict.fromkeys(Effect, 0)
+    nats = 0
+    for feature, effect in rule.effects.items():
+        by_effect[effect] |= 1 << feature
+        nats |= (model.features[feature].kind is Kind.NAT) << feature
+    lowered = by_effect[Effect.DEC]
+    return RuleBits(
+        index=index,
+        needs=needs | lowered,
+        wants=wants | lowered,
+        sets=by_effect[Effect.SET] | by_effect[Effect.INC],
+        clears=by_effect[Effect.CLEAR],
+        free=by_effect[Effect.ANY] | lowered,
+        sinks=by_effect[Effect.NOT_INC],
+        climbs=by_effect[Effect.NOT_DEC],
+        falls=lowered,
+        rises=by_effect[Effect.INC],
+        may_fall=nats & sum(by_effect[effect] for effect in LOWERS),
+        may_rise=nats & sum(by_effect[effect] for effect in RAISES),
+        dead=bool(lowered & needs & ~wants),
+    )
+
+
+def bounded_mask(model: SketchModel) -> int:
+    """The features that are declared bounded."""
+    return sum(1 << f for f, feature in enumerate(model.features) if feature.bounded)
+
+
+def subsets(mask: int) -> Iterator[int]:
+    """All subsets of a mask, 0 first."""
+    subset = 0
+    while True:
+        yield subset
+        subset = (subset - mask) & mask
+        if not subset:
+            return
+
+
+def members(mask: int) -> Iterator[int]:
+    """The features in a mask, in order."""
+    while mask:
+        low = mask & -mask
+        yield low.bit_length() - 1
+        mask ^= low

@@ -1,0 +1,63 @@
+"""Proofs of termination: what the prover makes, certificates store, and people read.
+
+A proof is a sequence of steps about a set R of rules and a region of valuations. Each
+step takes away rules that no infinite run through the region can use for ever:
+
+- `Drop`: a nat that some rules lower and no rule raises. They fire finitely often, since
+  a counter cannot become negative (or, for a bounded nat, the same upside down).
+- `Split`: the region is cut into blocks, numbered so that no rule leads from a block to an
+  earlier one. An infinite run comes to stay in one of them; there it can only use rules
+  with an edge inside the block, and the block has steps of its own.
+
+It is a proof of termination when no rules are left. Single valuations as blocks make it
+as strong as Sieve; a sketch that rule elimination proves needs hardly any blocks.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Node:
+    """A question in a decision tree: is the feature true (> 0)? Questions go by index."""
+
+    feature: int
+    low: Tree
+    high: Tree
+
+
+Tree = int | None | Node
+"""Numbers of blocks at the leaves; None where no run passes: a goal, or an invariant fails."""
+
+
+@dataclass(frozen=True, slots=True)
+class Drop:
+    """`rules` fire finitely often: each lowers `feature`, and nothing that is left raises it.
+
+    With `upwards` each raises it, nothing lowers it, and the feature is bounded.
+    """
+
+    feature: int
+    rules: tuple[int, ...]
+    upwards: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Block:
+    """One block of a split: the rules with an edge inside it, and how they go."""
+
+    rules: tuple[int, ...]
+    steps: tuple[Step, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Split:
+    """`drops` are the rules that are left in no block."""
+
+    tree: Tree
+    blocks: tuple[Block, ...]
+    drops: tuple[int, ...]
+
+
+Step = Drop | Split

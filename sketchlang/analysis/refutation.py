@@ -1,0 +1,176 @@
+"""A run that never ends, as a person reads it: its steps, and what would break it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from sketchlang.analysis.bits import LOWERS, RAISES
+from sketchlang.analysis.limits import Budget
+from sketchlang.analysis.termination import NonTerminating, Terminating, decide_termination
+from sketchlang.analysis.words import effect, literal
+from sketchlang.model import Effect, Kind, Rule, SketchModel
+from sketchlang.source import Span
+
+RECHECK_SECONDS = 0.5
+"""Time to find out which of the remedies make the sketch terminate."""
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """What one feature does in one step. `written` is the effect, empty if it is not named."""
+
+    feature: int
+    written: str
+    before: int
+    after: int
+
+
+@dataclass(frozen=True, slots=True)
+class CycleStep:
+    """A valuation of the cycle in numbers, the rule used there, and what it changes."""
+
+    values: tuple[int, ...]
+    rule: int
+    changes: tuple[Change, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Edit:
+    """An effect to write in place of another (None: the rule does not name the feature)."""
+
+    rule: int
+    feature: int
+    effect: Effect | None
+    span: Span | None
+
+
+@dataclass(frozen=True, slots=True)
+class Remedy:
+    """One way to break the cycle: make all these changes.
+
+    `reason` says why it breaks. `bound` is a feature to declare bounded instead of an edit.
+    `suffices` tells whether the sketch terminates then; None if that was not found out.
+    """
+
+    reason: str
+    edits: tuple[Edit, ...]
+    bound: int | None
+    suffices: bool | None
+
+
+@dataclass(frozen=True, slots=True)
+class Refutation:
+    """`growing` are nats that rise every time around the cycle; all else comes back."""
+
+    steps: tuple[CycleStep, ...]
+    last: tuple[int, ...]
+    growing: tuple[int, ...]
+    remedies: tuple[Remedy, ...]
+
+
+def refutation(model: SketchModel, verdict: NonTerminating) -> Refutation:
+    """The evidence of a negative verdict. Remedies come with the fewest changes first."""
+    values = verdict.run.values
+    steps = tuple(
+        CycleStep(before, move.rule, _changes(model, move.rule, before, after))
+        for move, before, after in zip(verdict.walk, values, values[1:], strict=False)
+    )
+    used = sorted({step.rule for step in steps})
+    found = [*_by_counters(model, used), *_by_bounds(model, verdict.run.growing)]
+    if not found:
+        found = list(_by_booleans(model, used))
+    budget = Budget(RECHECK_SECONDS)
+    checked = [replace(remedy, suffices=_suffices(model, remedy, budget)) for remedy in found]
+    checked.sort(key=lambda r: (not r.suffices, len(r.edits) or 1))
+    return Refutation(steps, values[-1], verdict.run.growing, tuple(checked))
+
+
+def _changes(
+    model: SketchModel, rule: int, before: Sequence[int], after: Sequence[int]
+) -> tuple[Change, ...]:
+    effects = model.rules[rule].effects
+    return tuple(
+        Change(f, effect(model, f, effects[f]), before[f], after[f])
+        for f in range(len(model.features))
+        if f in effects
+    )
+
+
+def _by_counters(model: SketchModel, used: Sequence[int]) -> list[Remedy]:
+    """For every nat that is strictly changed on the cycle: do not change it back."""
+    remedies = []
+    for feature, declared in enumerate(model.features):
+        if declared.kind is not Kind.NAT:
+            continue
+        effects = {rule: model.rules[rule].effects.get(feature) for rule in used}
+        falls = [rule for rule, e in effects.items() if e is Effect.DEC]
+        rises = [rule for rule, e in effects.items() if e is Effect.INC]
+        ways = []
+        if falls:
+            ways.append(("falls", falls, RAISES, Effect.NOT_INC))
+        elif rises and declared.bounded:
+            ways.append(("rises", rises, LOWERS, Effect.NOT_DEC))
+        for verb, strict, against, instead in ways:
+            edits = tuple(
+                _edit(model, rule, feature, instead) for rule, e in effects.items() if e in against
+            )
+            opposite = "rise" if verb == "falls" else "fall"
+            names = " and ".join(model.rules[rule].name for rule in strict)
+            reason = f"{declared.name} {verb} in {names} and must not {opposite} elsewhere"
+            remedies.append(Remedy(reason, edits, None, None))
+    return remedies
+
+
+def _by_bounds(model: SketchModel, growing: Sequence[int]) -> list[Remedy]:
+    return [
+        Remedy(f"{model.features[f].name} grows without end", (), f, None)
+        for f in growing
+        if not model.features[f].bounded
+    ]
+
+
+def _by_booleans(model: SketchModel, used: Sequence[int]) -> list[Remedy]:
+    """For every Boolean that the rules of the cycle set and clear: do not change it back."""
+    remedies = []
+    for feature, declared in enumerate(model.features):
+        if declared.kind is not Kind.BOOL:
+            continue
+        effects = {rule: model.rules[rule].effects.get(feature) for rule in used}
+        setters = [rule for rule, e in effects.items() if e in (Effect.SET, Effect.ANY)]
+        clearers = [rule for rule, e in effects.items() if e in (Effect.CLEAR, Effect.ANY)]
+        if not setters or not clearers:
+            continue
+        for rules, value in ((setters, False), (clearers, True)):
+            edits = tuple(_edit(model, rule, feature, None) for rule in rules)
+            done = literal(model, feature, value)
+            reason = f"nothing may undo {done}"
+            remedies.append(Remedy(reason, edits, None, None))
+    return remedies
+
+
+def _edit(model: SketchModel, rule: int, feature: int, instead: Effect | None) -> Edit:
+    spans = model.rules[rule].effect_spans
+    return Edit(rule, feature, instead, spans.get(feature) if spans else None)
+
+
+def _suffices(model: SketchModel, remedy: Remedy, budget: Budget) -> bool | None:
+    """Whether the sketch with the remedy in place is proved to terminate."""
+    rules = list(model.rules)
+    for edit in remedy.edits:
+        rules[edit.rule] = _with_effect(rules[edit.rule], edit.feature, edit.effect)
+    features = list(model.features)
+    if remedy.bound is not None:
+        features[remedy.bound] = replace(features[remedy.bound], bounded=True)
+    changed = replace(model, rules=tuple(rules), features=tuple(features))
+    verdict = decide_termination(changed, budget)
+    if isinstance(verdict, Terminating):
+        return True
+    return False if isinstance(verdict, NonTerminating) else None
+
+
+def _with_effect(rule: Rule, feature: int, instead: Effect | None) -> Rule:
+    effects = {f: e for f, e in rule.effects.items() if f != feature}
+    if instead is not None:
+        effects[feature] = instead
+    return replace(rule, effects=effects)

@@ -1,0 +1,334 @@
+"""The check as a whole. The other files of this package know one part of it each."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from sketchlang.check import formulas
+from sketchlang.check.declarations import Placed, collect
+from sketchlang.check.expressions import Binding, Scope, Typer
+from sketchlang.check.order import names_in, order
+from sketchlang.check.relations import Relations, RulePlace, satisfiable
+from sketchlang.check.report import Report
+from sketchlang.check.rules import RuleReader
+from sketchlang.check.typed import Node
+from sketchlang.diagnostics import Diagnostic, Label
+from sketchlang.domain import Domain, DomainError, Function
+from sketchlang.model import Feature, Invariant, Kind, Rule, SketchModel
+from sketchlang.source import Source, Span
+from sketchlang.suggest import did_you_mean
+from sketchlang.syntax import tree
+from sketchlang.types import BOOL, NAT, UNKNOWN
+
+
+@dataclass(frozen=True)
+class CheckedSketch:
+    """A sketch after the check. With errors among the diagnostics it is only what could be
+    understood, and must not be compiled.
+
+    `places[i]` is where feature i is declared (spans in the model belong to the file that an
+    item stands in, which an `include` may have brought in), `definitions[i]` its definition,
+    or None where it has none. `order` lists the features with every one after those that its
+    definition uses. `atoms` are the names of the families of novelty atoms.
+    """
+
+    source: Source
+    model: SketchModel
+    domain: Domain | None
+    places: tuple[Label, ...] = ()
+    definitions: tuple[Node | None, ...] = ()
+    order: tuple[int, ...] = ()
+    atoms: tuple[str, ...] = ()
+
+
+def check(
+    parsed: tree.Tree, domain: Domain | None = None
+) -> tuple[CheckedSketch, list[Diagnostic]]:
+    """Check a tree against the domain that it uses (None: none is known)."""
+    checker = _Checker(parsed, domain)
+    checked = checker.run()
+    main = parsed.source.name
+    # In the order of the text; what an included file is to blame for comes last.
+    found = sorted(
+        checker.report.diagnostics,
+        key=lambda d: (d.primary.source.name != main, d.primary.source.name, d.primary.span),
+    )
+    return checked, found
+
+
+class _Checker:
+    def __init__(self, parsed: tree.Tree, domain: Domain | None) -> None:
+        self.tree = parsed
+        self.source = parsed.source
+        self.domain = domain
+        self.report = Report()
+        self.declarations = collect(parsed, self.report)
+        self.functions: Mapping[str, Function] = self._functions()
+        self.index = {name: i for i, name in enumerate(self.declarations.features)}
+        self.typer = Typer(self.declarations, domain, self.functions, self.report, self.index)
+
+    def run(self) -> CheckedSketch:
+        declarations = self.declarations
+        self._title()
+        self._clashes()
+        ordered = self._definition_order()
+        definitions = self._definitions(ordered)
+        features = tuple(
+            Feature(
+                name,
+                Kind.BOOL if placed.item.kind == "bool" else Kind.NAT,
+                placed.item.bounded,
+                placed.item.span,
+            )
+            for name, placed in declarations.features.items()
+        )
+        for placed in declarations.features.values():
+            if placed.item.bounded and placed.item.kind == "bool":
+                label = placed.label(placed.item.span)
+                message = f"`{placed.item.name.text}` is a Boolean: it is bounded anyway"
+                self.report.add("bounded-boolean", message, label, hint="Remove `bounded`.")
+        reader = RuleReader(features, self.index, declarations, self.report)
+        rules = tuple(reader.rule(placed) for placed in declarations.rules.values())
+        goal = self._goal(reader)
+        invariants = self._invariants()
+        self._relations(reader, rules, goal, invariants)
+        self._unused(rules, goal)
+        name = declarations.title.item.name.text if declarations.title else "sketch"
+        model = SketchModel(name, features, rules, goal, invariants)
+        order_ = tuple(self.index[name] for name in ordered if name in self.index)
+        places = tuple(p.label(p.item.name.span) for p in declarations.features.values())
+        return CheckedSketch(
+            self.source, model, self.domain, places, definitions, order_, self._atoms()
+        )
+
+    # The sketch as a whole.
+
+    def _functions(self) -> Mapping[str, Function]:
+        if self.domain is None:
+            return {}
+        try:
+            return self.domain.functions
+        except DomainError as error:
+            use = self.declarations.use
+            label = use.label(use.item.name.span) if use else Label(self.source, Span(0, 0))
+            self.report.add("broken-domain", str(error), label)
+            self.declarations.incomplete = True
+            return {}
+
+    def _title(self) -> None:
+        declarations = self.declarations
+        if declarations.title is None and "sketch" not in declarations.broken_items:
+            first = self.tree.items[0].span if self.tree.items else Span(0, 0)
+            self.report.add(
+                "no-title",
+                "the sketch has no name",
+                Label(self.source, Span(first.start, first.start)),
+                hint="Begin with `sketch NAME`.",
+            )
+        if not declarations.rules and not declarations.broken_items & {"rule", "rules", ""}:
+            end = len(self.source.text.rstrip())
+            self.report.add(
+                "no-rules",
+                "the sketch has no rules: its only subgoals are the goal states",
+                Label(self.source, Span(end, end)),
+                hint="Write `rule NAME { CONDITIONS } -> { EFFECTS }`.",
+            )
+
+    def _clashes(self) -> None:
+        """Features and definitions that hide a function of the domain."""
+        declared: list[Placed[tree.FeatureItem] | Placed[tree.Define]]
+        declared = [*self.declarations.features.values(), *self.declarations.defines.values()]
+        for placed in declared:
+            name = placed.item.name
+            function = self.functions.get(name.text)
+            if function is not None and self.domain is not None:
+                place = function.place()
+                self.report.add(
+                    "function-name",
+                    f"`{name.text}` is a function of domain {self.domain.name}",
+                    placed.label(name.span),
+                    *([place] if place else []),
+                    hint="Choose another name.",
+                )
+
+    # Definitions.
+
+    def _definition_order(self) -> list[str]:
+        """Features and definitions with the used before their users; circles are errors."""
+        declarations = self.declarations
+        uses: dict[str, list[str]] = {}
+        for name, feature in declarations.features.items():
+            body = feature.item.definition
+            uses[name] = list(names_in(body, frozenset())) if body is not None else []
+        for name, define in declarations.defines.items():
+            bound = frozenset(parameter.name.text for parameter in define.item.parameters)
+            uses[name] = list(names_in(define.item.body, bound))
+        ordered, circles = order(uses)
+        for circle in circles:
+            self.typer.circular.update(circle)
+            labels = [self.typer.declaration(name) for name in circle]
+            path = " -> ".join(f"`{name}`" for name in [*circle, circle[0]])
+            alone = len(circle) == 1
+            message = "a definition uses itself" if alone else "definitions use each other"
+            self.report.add("circular-definition", f"{message}: {path}", *labels)
+        return ordered
+
+    def _definitions(self, ordered: list[str]) -> tuple[Node | None, ...]:
+        typed: dict[str, Node] = {}
+        declarations = self.declarations
+        for name in ordered:
+            define = declarations.defines.get(name)
+            feature = declarations.features.get(name)
+            if define is not None:
+                self._define(name, define)
+            elif feature is not None and feature.item.definition is not None:
+                wanted = BOOL if feature.item.kind == "bool" else NAT
+                what = f"the definition of `{name}`"
+                scope = Scope(feature.source)
+                typed[name] = self.typer.expect(feature.item.definition, wanted, what, scope)
+        return tuple(typed.get(name) for name in declarations.features)
+
+    def _define(self, name: str, placed: Placed[tree.Define]) -> None:
+        """Check a definition's body once by itself, with its parameters as variables."""
+        names: dict[str, Binding] = {}
+        for level, parameter in enumerate(placed.item.parameters):
+            label = placed.label(parameter.name.span)
+            if parameter.name.text in names:
+                first = names[parameter.name.text].place
+                message = f"parameter `{parameter.name.text}` is declared twice"
+                self.report.add("duplicate-parameter", message, label, first)
+                continue
+            type_ = self.typer.parameter_type(parameter)
+            if type_ == UNKNOWN:
+                self._unknown_sort(parameter.type, placed)
+            self.typer.hiding(parameter.name, Scope(placed.source))
+            node = self.typer.store.variable(level, type_, label)
+            names[parameter.name.text] = Binding(node, label)
+        scope = Scope(placed.source, names, len(placed.item.parameters))
+        body = self.typer.node(placed.item.body, scope)
+        if body.type == UNKNOWN:
+            return
+        self.typer.sound.add(name)
+        for text, binding in names.items():
+            if not binding.used:
+                message = f"parameter `{text}` is never used"
+                self.report.add("unused-parameter", message, binding.place)
+
+    def _unknown_sort(self, name: tree.Name, placed: Placed[tree.Define]) -> None:
+        declarations = self.declarations
+        if self.domain is None and (declarations.use or "use" in declarations.broken_items):
+            return
+        sorts = self.typer.domain_sorts()
+        hint = did_you_mean(name.text, {*sorts, "bool", "nat"})
+        if hint is None and sorts:
+            hint = "Sorts of this domain: " + ", ".join(f"`{sort}`" for sort in sorted(sorts)) + "."
+        message = f"there is no type `{name.text}`"
+        self.report.add("unknown-sort", message, placed.label(name.span), hint=hint)
+
+    # Goal, invariants, atoms, rules.
+
+    def _goal(self, reader: RuleReader) -> dict[int, bool] | None:
+        placed = self.declarations.goal
+        if placed is None:
+            if "goal" not in self.declarations.broken_items:
+                end = len(self.source.text.rstrip())
+                self.report.add(
+                    "no-goal",
+                    "the sketch names no goal: only the scene can say when a run is over",
+                    Label(self.source, Span(end, end)),
+                    hint="Write `goal { CONDITIONS }`.",
+                )
+            return None
+        return reader.conditions(placed.item.block, placed.source)[0]
+
+    def _invariants(self) -> tuple[Invariant, ...]:
+        found = []
+        for placed in self.declarations.invariants:
+            scope = Scope(placed.source)
+            node = self.typer.expect(placed.item.formula, BOOL, "an invariant", scope)
+            if node.type != BOOL or _has_unknown(node):
+                continue
+            made = formulas.invariant(placed, node, self.report)
+            if made is None:
+                continue
+            if not satisfiable(made.formula, {}):
+                label = placed.label(placed.item.formula.span)
+                self.report.add("impossible-invariant", "this can never hold", label)
+                continue
+            found.append(made)
+        return tuple(found)
+
+    def _atoms(self) -> tuple[str, ...]:
+        names: dict[str, Label] = {}
+        for placed in self.declarations.atoms:
+            for name in placed.item.names:
+                label = placed.label(name.span)
+                if name.text in names:
+                    message = f"`{name.text}` is listed twice"
+                    self.report.add("repeated-atom", message, label, names[name.text])
+                    continue
+                names[name.text] = label
+                if self.domain is not None and name.text not in self.domain.atoms:
+                    families = ", ".join(f"`{family}`" for family in self.domain.atoms)
+                    hint = did_you_mean(name.text, self.domain.atoms) or (
+                        f"Families of this domain: {families}." if families else None
+                    )
+                    message = f"domain {self.domain.name} has no atoms `{name.text}`"
+                    self.report.add("unknown-atoms", message, label, hint=hint)
+        return tuple(names)
+
+    def _relations(
+        self,
+        reader: RuleReader,
+        rules: tuple[Rule, ...],
+        goal: Mapping[int, bool] | None,
+        invariants: tuple[Invariant, ...],
+    ) -> None:
+        places = []
+        for placed in self.declarations.rules.values():
+            item = placed.item
+            places.append(
+                RulePlace(
+                    placed.source,
+                    item.name.span,
+                    item.effects.span,
+                    _spans(item.conditions, self.index),
+                    _spans(item.effects, self.index),
+                )
+            )
+        relations = Relations(reader.features, rules, places, reader.faulty, self.report)
+        relations.check(goal, invariants)
+
+    def _unused(self, rules: tuple[Rule, ...], goal: Mapping[int, bool] | None) -> None:
+        named = {f for rule in rules for f in (*rule.conditions, *rule.effects)} | set(goal or ())
+        used = self.typer.used
+        declarations = self.declarations
+        # A broken item may be what uses them.
+        if declarations.broken_items or declarations.incomplete:
+            return
+        for name, placed in declarations.features.items():
+            if self.index[name] not in named and name not in used:
+                self.report.add(
+                    "unused-feature",
+                    f"feature `{name}` is named nowhere, so no subgoal may change it",
+                    placed.label(placed.item.name.span),
+                    hint="Name it in the rules or remove it.",
+                )
+        for name, define in declarations.defines.items():
+            if name not in used:
+                message = f"definition `{name}` is never used"
+                self.report.add("unused-define", message, define.label(define.item.name.span))
+
+
+def _spans(block: tree.Block, index: Mapping[str, int]) -> dict[int, Span]:
+    spans: dict[int, Span] = {}
+    for literal in block.literals:
+        feature = index.get(literal.name.text)
+        if feature is not None:
+            spans.setdefault(feature, literal.span)
+    return spans
+
+
+def _has_unknown(node: Node) -> bool:
+    return node.kind == "unknown" or any(map(_has_unknown, node.parts))

@@ -1,0 +1,234 @@
+"""What rules say taken together: effects that cannot happen, rules that say nothing new.
+
+A rule is the set of pairs (values before, values after) that satisfy it, and that set is a
+product: every feature has its own pairs, whatever the others do. The pairs of one feature
+only compare the two numbers with each other and with 0, so numbers up to 2 stand for all.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from itertools import product
+
+from sketchlang.check.report import Report
+from sketchlang.diagnostics import Label
+from sketchlang.model import (
+    And,
+    Effect,
+    Feature,
+    Formula,
+    Invariant,
+    Kind,
+    Literal,
+    Not,
+    Or,
+    Rule,
+    holds,
+)
+from sketchlang.source import Source, Span
+
+Pairs = frozenset[tuple[int, int]]
+_RANGE = {Kind.BOOL: range(2), Kind.NAT: range(3)}
+_MAX_INVARIANT_FEATURES = 12
+
+
+def pairs(kind: Kind, condition: bool | None, effect: Effect | None) -> Pairs:
+    """The changes that a rule with this condition and effect allows one feature."""
+    return frozenset(
+        (before, after)
+        for before, after in product(_RANGE[kind], repeat=2)
+        if condition is None or (before > 0) == condition
+        if (before == after if effect is None else effect.allows(before, after))
+    )
+
+
+class Relations:
+    """The checks that need whole rules.
+
+    `places` tells where the parts of each rule were written. `faulty` rules, of which parts
+    are missing because they are wrong, are left alone.
+    """
+
+    def __init__(
+        self,
+        features: Sequence[Feature],
+        rules: Sequence[Rule],
+        places: Sequence[RulePlace],
+        faulty: Collection[str],
+        report: Report,
+    ) -> None:
+        self.features = features
+        self.rules = rules
+        self.places = places
+        self.faulty = faulty
+        self.report = report
+        self.pairs = [
+            {
+                f: pairs(features[f].kind, rule.conditions.get(f), rule.effects.get(f))
+                for f in {*rule.conditions, *rule.effects}
+            }
+            for rule in rules
+        ]
+        self._unnamed = {kind: pairs(kind, None, None) for kind in Kind}
+
+    def check(self, goal: Mapping[int, bool] | None, invariants: Sequence[Invariant]) -> None:
+        """All checks, rule by rule."""
+        sensible = [
+            number
+            for number, rule in enumerate(self.rules)
+            if rule.name not in self.faulty and self._effects_happen(number)
+        ]
+        for number in sensible:
+            self._redundant_effects(number)
+            self._stays(number)
+            self._at_goal(number, goal)
+            self._against(number, invariants)
+        self._subsumed(sensible)
+
+    def _effects_happen(self, number: int) -> bool:
+        rule, place = self.rules[number], self.places[number]
+        possible = True
+        for f, effect in rule.effects.items():
+            if self.pairs[number][f]:
+                continue
+            possible = False
+            name = self.features[f].name
+            labels = [Label(place.source, place.conditions[f], "it is 0 here")]
+            self.report.add(
+                "impossible-effect",
+                f"`{name}{effect.value.strip('!n')}` cannot happen: `{name}` is 0 before",
+                Label(place.source, place.effects[f]),
+                *labels,
+                hint=f"Let the condition be `{name} > 0`, or change the effect.",
+            )
+        return possible
+
+    def _redundant_effects(self, number: int) -> None:
+        place = self.places[number]
+        for f in self.rules[number].effects:
+            kept = pairs(self.features[f].kind, self.rules[number].conditions.get(f), None)
+            if self.pairs[number][f] == kept:
+                name = self.features[f].name
+                self.report.add(
+                    "redundant-effect",
+                    f"this effect only says that `{name}` stays as it is",
+                    Label(place.source, place.effects[f]),
+                    Label(place.source, place.conditions[f], "because of this condition"),
+                    hint="Leave it out: a feature that is not named keeps its value.",
+                )
+
+    def _stays(self, number: int) -> None:
+        """Whether a state can be its own subgoal."""
+        if all(any(a == b for a, b in allowed) for allowed in self.pairs[number].values()):
+            rule, place = self.rules[number], self.places[number]
+            self.report.add(
+                "satisfied-at-once",
+                f"rule `{rule.name}` is satisfied without any change",
+                Label(place.source, place.block),
+                hint="Name an effect that must change something, for example `n--`.",
+            )
+
+    def _at_goal(self, number: int, goal: Mapping[int, bool] | None) -> None:
+        rule, place = self.rules[number], self.places[number]
+        if goal and all(rule.conditions.get(f) == value for f, value in goal.items()):
+            self.report.add(
+                "goal-rule",
+                f"rule `{rule.name}` is for goal states only, where nothing is left to do",
+                Label(place.source, place.name),
+            )
+
+    def _against(self, number: int, invariants: Sequence[Invariant]) -> None:
+        rule, place = self.rules[number], self.places[number]
+        for invariant in invariants:
+            if not satisfiable(invariant.formula, rule.conditions):
+                self.report.add(
+                    "rule-against-invariant",
+                    f"rule `{rule.name}` never applies: `{invariant.text}` excludes it",
+                    Label(place.source, place.name),
+                )
+                return
+
+    def _subsumed(self, sensible: Sequence[int]) -> None:
+        """Every rule that allows nothing that another one does not allow."""
+        for number in sensible:
+            for other in sensible:
+                if other == number or not self._covers(other, number):
+                    continue
+                same = self._covers(number, other)
+                if same and other > number:
+                    continue
+                place, first = self.places[number], self.places[other]
+                name, general = self.rules[number].name, self.rules[other].name
+                code = "copied-rule" if same else "subsumed-rule"
+                message = (
+                    f"rule `{name}` says the same as rule `{general}`"
+                    if same
+                    else f"rule `{name}` allows nothing that rule `{general}` does not allow"
+                )
+                self.report.add(
+                    code,
+                    message,
+                    Label(place.source, place.name),
+                    Label(first.source, first.name, "the other rule"),
+                    hint="Remove one of them." if same else f"Remove `{name}`.",
+                )
+                break
+
+    def _covers(self, general: int, special: int) -> bool:
+        wide, narrow = self.pairs[general], self.pairs[special]
+        # A feature that only one of them names: it keeps its value in the other one.
+        return all(
+            allowed <= (wide[f] if f in wide else self._unnamed[self.features[f].kind])
+            for f, allowed in narrow.items()
+        ) and all(
+            f in narrow or self._unnamed[self.features[f].kind] <= allowed
+            for f, allowed in wide.items()
+        )
+
+
+class RulePlace:
+    """Where the parts of a rule stand in its file."""
+
+    __slots__ = ("block", "conditions", "effects", "name", "source")
+
+    def __init__(
+        self,
+        source: Source,
+        name: Span,
+        block: Span,
+        conditions: Mapping[int, Span],
+        effects: Mapping[int, Span],
+    ) -> None:
+        self.source = source
+        self.name = name
+        self.block = block
+        self.conditions = conditions
+        self.effects = effects
+
+
+def features_of(formula: Formula) -> set[int]:
+    """The features that a formula speaks of."""
+    match formula:
+        case Literal(feature, _):
+            return {feature}
+        case Not(operand):
+            return features_of(operand)
+        case And(operands) | Or(operands):
+            return set().union(*map(features_of, operands))
+
+
+def satisfiable(formula: Formula, fixed: Mapping[int, bool]) -> bool:
+    """Whether a formula can hold where some features are fixed (True for large formulas)."""
+    features = sorted(features_of(formula))
+    free = [f for f in features if f not in fixed]
+    if len(free) > _MAX_INVARIANT_FEATURES:
+        return True
+    values = [0] * (max(features, default=-1) + 1)
+    for f in features:
+        values[f] = int(fixed.get(f, False))
+    for choice in product((0, 1), repeat=len(free)):
+        for f, value in zip(free, choice, strict=True):
+            values[f] = value
+        if holds(formula, tuple(values)):
+            return True
+    return False

@@ -1,0 +1,87 @@
+"""`sketchlang terminate`: a proof that a sketch terminates, or a run that never ends."""
+
+from __future__ import annotations
+
+import sys
+import time
+
+import click
+
+from sketchlang import __version__
+from sketchlang.cli.common import (
+    Places,
+    domain_option,
+    interruptible,
+    load_valid,
+    write_file,
+)
+
+
+@click.command("terminate")
+@click.argument("file", metavar="FILE")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+@click.option("--certificate", metavar="OUT.json", help="Write the proof to a file.")
+@click.option(
+    "--time-limit", type=click.FloatRange(min=0), metavar="S", help="Give up after S seconds."
+)
+@click.option(
+    "--memory-limit",
+    type=click.FloatRange(min=0),
+    metavar="MB",
+    help="Give up when the whole process is larger than this.",
+)
+@domain_option
+@interruptible
+def command(
+    *,
+    file: str,
+    as_json: bool,
+    certificate: str | None,
+    time_limit: float | None,
+    memory_limit: float | None,
+    domain_file: str | None,
+) -> None:
+    """Prove that a sketch terminates, or show how it does not.
+
+    FILE is a path, the name of a built-in sketch, or - for standard input. No run that
+    follows a terminating sketch goes on for ever. Goals end a run, invariants are taken for
+    granted, and a nat that is declared bounded never exceeds some number.
+
+    Exit 0 if the sketch terminates, 1 if it does not or a limit was reached before that was
+    known, 2 if the file cannot be read or has errors.
+
+    \b
+    Examples:
+      sketchlang terminate pick_and_place
+      sketchlang terminate my.sketch --certificate my.proof.json
+      sketchlang terminate my.sketch --json --time-limit 10
+    """
+    loaded = load_valid(file, domain_file)
+    from sketchlang.analysis import report
+    from sketchlang.analysis.limits import Budget
+    from sketchlang.analysis.termination import Terminating, decide_termination
+
+    model = loaded.checked.model
+    started = time.perf_counter()
+    verdict = decide_termination(model, Budget(time_limit, memory_limit))
+    seconds = time.perf_counter() - started
+    places = Places(loaded)
+    proved = isinstance(verdict, Terminating)
+    if certificate is not None and isinstance(verdict, Terminating):
+        from sketchlang.analysis.certificate import as_text, certificate_of
+
+        write_file(certificate, as_text(certificate_of(model, verdict)))
+    if as_json:
+        import json
+
+        found = report.as_json(model, verdict, places.position)
+        found |= {"time_s": round(seconds, 6), "version": __version__}
+        click.echo(json.dumps(found, indent=2, ensure_ascii=False))
+    else:
+        click.echo(report.as_text(model, verdict, places.position))
+        if certificate is not None:
+            click.echo("")
+            click.echo(
+                f"Certificate written to {certificate}." if proved else "No certificate written."
+            )
+    sys.exit(0 if proved else 1)

@@ -1,0 +1,66 @@
+"""`sketchlang verify`: an independent check of a termination certificate."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+import click
+
+from sketchlang.cli.common import domain_option, fail, interruptible, load_valid
+
+
+@click.command("verify")
+@click.argument("certificate", metavar="CERTIFICATE")
+@click.argument("file", metavar="FILE")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+@domain_option
+@interruptible
+def command(*, certificate: str, file: str, as_json: bool, domain_file: str | None) -> None:
+    """Check that a certificate proves that a sketch terminates.
+
+    CERTIFICATE is what `sketchlang terminate --certificate` wrote, FILE the sketch. The
+    checker shares no code with the prover.
+
+    Exit 0 if the certificate is valid for this very sketch, 1 if it is not, 2 if one of the
+    files cannot be read or the sketch has errors.
+
+    \b
+    Example:
+      sketchlang terminate my.sketch --certificate my.proof.json
+      sketchlang verify my.proof.json my.sketch
+    """
+    content = _read(certificate)
+    model = load_valid(file, domain_file).checked.model
+    from sketchlang.analysis.verify import RefusedError, verify
+
+    reason = None
+    try:
+        verify(content, model)
+    except RefusedError as refused:
+        reason = str(refused)
+    except RecursionError:
+        reason = "its steps are nested too deeply"
+    if as_json:
+        found = {"valid": reason is None, "sketch": model.name, "reason": reason}
+        click.echo(json.dumps(found, indent=2, ensure_ascii=False))
+    elif reason is None:
+        click.echo(f"{certificate} is valid: {model.name} terminates.")
+    else:
+        click.echo(f"{certificate} is refused: {reason}.")
+    sys.exit(0 if reason is None else 1)
+
+
+def _read(path: str) -> Any:
+    try:
+        return json.loads(Path(path).read_text(encoding="utf-8"))
+    except OSError as error:
+        fail(f"{path}: {error.strerror or error}")
+    except UnicodeDecodeError:
+        fail(f"{path}: not a text in UTF-8")
+    except json.JSONDecodeError as error:
+        fail(f"{path}:{error.lineno}:{error.colno}: not JSON: {error.msg}")
+    except RecursionError:
+        fail(f"{path}: not a certificate: nested too deeply")

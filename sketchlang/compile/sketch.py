@@ -1,0 +1,160 @@
+"""A sketch that can be run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Iterable
+from dataclasses import dataclass
+from typing import Any
+
+from sketchlang.check.checker import CheckedSketch
+from sketchlang.compile.closures import Compiler, Layout
+from sketchlang.compile.errors import BrokenPromiseError, EvaluationError
+from sketchlang.compile.seam import Frame, Run
+from sketchlang.diagnostics import Diagnostic, Label
+from sketchlang.model import Kind, SketchModel, holds
+from sketchlang.source import Span
+
+CAREFUL_STATES = 8
+"""So many states are evaluated with every domain function called twice ..."""
+
+CAREFUL_EVERY = 1024
+"""... and later on every so many-th state."""
+
+
+@dataclass(frozen=True)
+class CompiledSketch:
+    """A sketch with evaluators.
+
+    `evaluate(state)` returns one value a feature, Booleans as 0 and 1, and raises
+    `EvaluationError` where a domain function or an invariant breaks its promise.
+    `atoms` are the functions that list the novelty atoms of a state.
+    """
+
+    model: SketchModel
+    evaluate: Callable[[Any], tuple[int, ...]]
+    atoms: tuple[Callable[[Any], Iterable[Hashable]], ...]
+
+
+def obstacles(checked: CheckedSketch) -> list[Diagnostic]:
+    """What keeps a sketch without errors from being run; empty if nothing does."""
+    source = checked.source
+    if checked.domain is None:
+        start = Label(source, Span(0, 0))
+        return [
+            Diagnostic(
+                "no-domain",
+                "a sketch that uses no domain can be checked and proved, but not run",
+                start,
+                hint="Write `use DOMAIN`.",
+            )
+        ]
+    return [
+        Diagnostic(
+            "feature-without-definition",
+            f"feature `{feature.name}` has no definition, so the sketch cannot be run",
+            place,
+            hint=f"Write `feature {feature.name} : {feature.kind.value} = EXPRESSION`.",
+        )
+        for feature, place, definition in zip(
+            checked.model.features, checked.places, checked.definitions, strict=True
+        )
+        if definition is None
+    ]
+
+
+def compile_sketch(checked: CheckedSketch) -> CompiledSketch:
+    """The evaluators of a sketch that has no errors and no `obstacles`."""
+    domain = checked.domain
+    definitions = [definition for definition in checked.definitions if definition is not None]
+    if domain is None or len(definitions) != len(checked.definitions):
+        raise ValueError("; ".join(found.message for found in obstacles(checked)))
+    layout = Layout(len(definitions), definitions)
+    evaluators = []
+    for careful in (True, False):
+        compiler = Compiler(domain, layout, careful)
+        steps = []
+        for index in checked.order:
+            run = compiler.run(definitions[index])
+            if checked.model.features[index].kind is Kind.BOOL:
+                run = _as_number(run)
+            steps.append((layout.feature(index), run))
+        evaluators.append(_evaluator(checked, layout, steps))
+    atoms = tuple(domain.atoms[name] for name in checked.atoms)
+    return CompiledSketch(checked.model, _alternating(*evaluators), atoms)
+
+
+def _as_number(run: Run) -> Run:
+    return lambda frame: 1 if run(frame) else 0
+
+
+def _alternating(
+    careful: Callable[[Any], tuple[int, ...]], quick: Callable[[Any], tuple[int, ...]]
+) -> Callable[[Any], tuple[int, ...]]:
+    states = 0
+
+    def evaluate(state: Any) -> tuple[int, ...]:
+        nonlocal states
+        states += 1
+        if states <= CAREFUL_STATES or states % CAREFUL_EVERY == 0:
+            return careful(state)
+        return quick(state)
+
+    return evaluate
+
+
+def _evaluator(
+    checked: CheckedSketch, layout: Layout, steps: list[tuple[int, Run]]
+) -> Callable[[Any], tuple[int, ...]]:
+    model = checked.model
+    empty: Frame = [None] * layout.size
+    first = layout.first_feature
+    end = first + len(model.features)
+    invariants = model.invariants
+
+    def evaluate(state: Any) -> tuple[int, ...]:
+        frame = empty.copy()
+        frame[0] = state
+        slot = first
+        try:
+            for slot, run in steps:
+                frame[slot] = run(frame)
+        except Exception as error:
+            raise _failure(checked, slot - first, error, state) from error
+        values = tuple(frame[first:end])
+        for invariant in invariants:
+            if not holds(invariant.formula, values):
+                raise _violation(model, invariant.text, values, state)
+        return values
+
+    return evaluate
+
+
+def _failure(
+    checked: CheckedSketch, index: int, error: Exception, state: object
+) -> EvaluationError:
+    name = checked.model.features[index].name
+    if isinstance(error, BrokenPromiseError):
+        return EvaluationError(
+            error.reason,
+            feature=name,
+            expression=error.expression,
+            function=error.function,
+            state=state,
+        )
+    # The elements of a set can fail as well: when compared, hashed, or changed meanwhile.
+    definition = checked.definitions[index]
+    return EvaluationError(
+        f"{type(error).__name__}: {error}",
+        feature=name,
+        expression=definition.text if definition is not None else name,
+        state=state,
+    )
+
+
+def _violation(
+    model: SketchModel, text: str, values: tuple[int, ...], state: object
+) -> EvaluationError:
+    listed = ", ".join(
+        f"{feature.name} = {value}" for feature, value in zip(model.features, values, strict=True)
+    )
+    return EvaluationError(f"the invariant does not hold: {listed}", expression=text, state=state)

@@ -1,0 +1,321 @@
+"""Files and domains: the only part of the language that looks outside.
+
+`load_sketch` is the chain of stages that every command begins with.
+"""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import re
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from sketchlang.check.checker import CheckedSketch, check
+from sketchlang.diagnostics import Diagnostic, Label, Severity
+from sketchlang.domain import Domain, DomainError
+from sketchlang.source import Source
+from sketchlang.suggest import did_you_mean
+from sketchlang.syntax import tree
+from sketchlang.syntax.parser import MAX_CHARACTERS, parse
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
+
+GROUP = "sketchlang.domains"
+"""The entry-point group in which packages offer their domains."""
+
+_NAME = re.compile(r"[A-Za-z_]\w*")
+_SUFFIX = ".sketch"
+_HERE = Path(__file__).resolve().parent.parent / "domains"
+
+
+class LoadError(Exception):
+    """A file or domain that cannot be had; the text is for the user."""
+
+
+@dataclass(frozen=True)
+class Loaded:
+    """A sketch after all the stages that come before compiling or analysing it."""
+
+    source: Source
+    tree: tree.Tree
+    checked: CheckedSketch
+    diagnostics: tuple[Diagnostic, ...]
+
+    @property
+    def ok(self) -> bool:
+        """Whether the sketch can be used: warnings do not count."""
+        return all(found.severity is not Severity.ERROR for found in self.diagnostics)
+
+
+def load_sketch(target: str, domain_file: str | None = None) -> Loaded:
+    """Read, parse and check a sketch: a path, `-` for standard input, or a built-in name.
+
+    `domain_file` is a Python file with a domain to use besides the installed ones. Raises
+    `LoadError` if the text or that file cannot be had.
+    """
+    extra = domains_of_file(domain_file) if domain_file is not None else {}
+    return load_text(load_source(target), extra)
+
+
+def load_text(source: Source, extra: dict[str, Domain] | None = None) -> Loaded:
+    """The same for a text that is at hand, with domains that are found before others."""
+    parsed, diagnostics = parse(source)
+    parsed, more = read_includes(parsed)
+    domain, missing = find_domain(parsed, extra or {})
+    checked, found = check(parsed, domain)
+    everything = [*diagnostics, *more, *missing, *found]
+    main = source.name
+    everything.sort(key=lambda d: (d.primary.source.name != main, d.primary.span))
+    return Loaded(source, parsed, checked, tuple(everything))
+
+
+# Texts.
+
+
+def load_source(target: str) -> Source:
+    """The text of a path, of standard input (`-`), or of a built-in sketch."""
+    if target == "-":
+        return Source("<stdin>", _decode("<stdin>", sys.stdin.buffer.read(MAX_CHARACTERS * 4 + 1)))
+    path = Path(target)
+    if not path.exists():
+        builtin = builtin_sketch(target)
+        if builtin is not None:
+            return _read(builtin, builtin.relative_to(_HERE.parent).as_posix())
+        hint = did_you_mean(target, builtin_sketches())
+        if _NAME.fullmatch(target) and not hint:
+            hint = "Built-in sketches: " + ", ".join(builtin_sketches()) + "."
+        raise LoadError(f"{target}: no such file" + (f"\n{hint}" if hint else ""))
+    return _read(path, target)
+
+
+def _read(path: Path, name: str) -> Source:
+    try:
+        if path.is_dir():
+            raise LoadError(f"{name}: is a directory")
+        with path.open("rb") as file:
+            # Four bytes a character at most: enough to tell that a file is too large.
+            return Source(name, _decode(name, file.read(MAX_CHARACTERS * 4 + 1)))
+    except OSError as error:
+        raise LoadError(f"{name}: {error.strerror or error}") from error
+
+
+def _decode(name: str, data: bytes) -> str:
+    try:
+        return data.decode("utf-8")
+    except UnicodeDecodeError as error:
+        if len(data) > MAX_CHARACTERS * 4:
+            return data.decode("utf-8", errors="replace")
+        message = f"{name}: not a text in UTF-8 (byte {error.start + 1})"
+        raise LoadError(message) from error
+
+
+def builtin_sketches() -> list[str]:
+    """Names of the sketches that come along."""
+    return sorted(path.stem for path in _builtin_paths())
+
+
+def builtin_sketch(name: str) -> Path | None:
+    """The file of a sketch that comes along."""
+    if not _NAME.fullmatch(name):
+        return None
+    return next((path for path in _builtin_paths() if path.stem == name), None)
+
+
+def _builtin_paths() -> Iterator[Path]:
+    yield from _HERE.glob(f"*{_SUFFIX}")
+    yield from _HERE.glob(f"*/*{_SUFFIX}")
+
+
+# Includes.
+
+
+def read_includes(parsed: tree.Tree) -> tuple[tree.Tree, list[Diagnostic]]:
+    """The tree with the trees of all the files that it includes, and what is wrong there."""
+    diagnostics: list[Diagnostic] = []
+    return _expand(parsed, [parsed.source.name], {}, diagnostics), diagnostics
+
+
+def _expand(
+    parsed: tree.Tree,
+    path: list[str],
+    known: dict[str, tree.Tree],
+    diagnostics: list[Diagnostic],
+) -> tree.Tree:
+    items: list[tree.Item] = []
+    for item in parsed.items:
+        if not isinstance(item, tree.Include):
+            items.append(item)
+            continue
+        label = Label(parsed.source, item.place)
+        try:
+            source = _included(item, parsed.source)
+        except LoadError as error:
+            message, _, hint = str(error).partition("\n")
+            diagnostics.append(Diagnostic("include-not-found", message, label, hint=hint or None))
+            items.append(item)
+            continue
+        if source.name in path:
+            circle = [*path[path.index(source.name) :], source.name]
+            message = "this file includes itself: " + " -> ".join(circle)
+            diagnostics.append(Diagnostic("include-cycle", message, label))
+            items.append(tree.Broken("include", None, item.span))
+            continue
+        if source.name not in known:
+            if len(path) > MAX_INCLUDES:
+                message = f"more than {MAX_INCLUDES} files include each other in a row"
+                diagnostics.append(Diagnostic("include-cycle", message, label))
+                items.append(item)
+                continue
+            other, found = parse(source)
+            diagnostics.extend(found)
+            # Not twice in a sketch: an include on a second way only repeats it.
+            known[source.name] = other
+            known[source.name] = _expand(other, [*path, source.name], known, diagnostics)
+        items.append(replace(item, tree=known[source.name]))
+    return replace(parsed, items=tuple(items))
+
+
+MAX_INCLUDES = 20
+
+
+def _included(item: tree.Include, source: Source) -> Source:
+    if not item.quoted:
+        return load_builtin(item.target)
+    base = Path(source.name).parent
+    if source.name == "<stdin>":
+        base = Path()
+    elif not Path(source.name).exists() and (_HERE.parent / source.name).exists():
+        # A built-in sketch is known by its path inside the installation.
+        path = _HERE.parent / base / item.target
+        return _read(path, (base / item.target).as_posix())
+    path = base / item.target
+    if not path.exists():
+        raise LoadError(f"{path.as_posix()}: no such file")
+    return _read(path, path.as_posix())
+
+
+def load_builtin(name: str) -> Source:
+    """The text of a sketch that comes along."""
+    path = builtin_sketch(name)
+    if path is None:
+        hint = did_you_mean(name, builtin_sketches()) or (
+            "Built-in sketches: " + ", ".join(builtin_sketches()) + ". Put paths in quotes."
+        )
+        raise LoadError(f"there is no built-in sketch `{name}`\n{hint}")
+    return _read(path, path.relative_to(_HERE.parent).as_posix())
+
+
+# Domains.
+
+
+def find_domain(
+    parsed: tree.Tree, extra: dict[str, Domain]
+) -> tuple[Domain | None, list[Diagnostic]]:
+    """The domain that a sketch or a file it includes uses, and a diagnostic if it has none."""
+    use = _use(parsed)
+    if use is None:
+        return None, []
+    item, source = use
+    name = item.name.text
+    label = Label(source, item.name.span)
+    try:
+        found = extra.get(name) or load_domain(name)
+    except LoadError as error:
+        return None, [Diagnostic("broken-domain", str(error), label)]
+    if found is not None:
+        return found, []
+    names = sorted({*extra, *domain_names()})
+    hint = did_you_mean(name, names) or (
+        "Domains found: " + ", ".join(names) + ". A file with another one is given with --domain."
+    )
+    return None, [Diagnostic("unknown-domain", f"there is no domain `{name}`", label, hint=hint)]
+
+
+def _use(parsed: tree.Tree) -> tuple[tree.Use, Source] | None:
+    for item in parsed.items:
+        if isinstance(item, tree.Use):
+            return item, parsed.source
+    for item in parsed.items:
+        if isinstance(item, tree.Include) and item.tree is not None:
+            found = _use(item.tree)
+            if found is not None:
+                return found
+    return None
+
+
+def load_domain(name: str) -> Domain | None:
+    """The domain of a name: one that comes along, or one that a package offers."""
+    # Built-in ones first, by their module: looking through all packages takes longer than
+    # all the rest of a check.
+    if _NAME.fullmatch(name) and (_HERE / name / "__init__.py").exists():
+        return _import_domain(f"domains.{name}", "domain", name)
+    for entry in _entry_points():
+        if entry.name == name:
+            return _import_domain(entry.module, entry.attr, name)
+    return None
+
+
+def domain_names() -> list[str]:
+    """Names of all domains that a sketch can use without `--domain`."""
+    own = {path.parent.name for path in _HERE.glob("*/__init__.py")}
+    return sorted(own | {entry.name for entry in _entry_points()})
+
+
+def _entry_points() -> list[EntryPoint]:
+    from importlib.metadata import entry_points
+
+    return list(entry_points(group=GROUP))
+
+
+def _import_domain(module: str, attribute: str, name: str) -> Domain:
+    try:
+        found = getattr(importlib.import_module(module), attribute)
+    except Exception as error:
+        raise LoadError(
+            f"domain `{name}` cannot be loaded: {type(error).__name__}: {error}"
+        ) from error
+    if not isinstance(found, Domain):
+        raise LoadError(f"domain `{name}` cannot be loaded: {module}:{attribute} is no Domain")
+    return found
+
+
+def domains_of_file(path: str) -> dict[str, Domain]:
+    """The domains that a Python file declares, by name."""
+    file = Path(path)
+    if not file.is_file():
+        raise LoadError(f"{path}: no such file")
+    spec = importlib.util.spec_from_file_location(f"_sketchlang_domain_{file.stem}", file)
+    if spec is None or spec.loader is None:
+        raise LoadError(f"{path}: not a Python file")
+    module = importlib.util.module_from_spec(spec)
+    # Where dataclasses and pickle look for the module of a class.
+    sys.modules[spec.name] = module
+    try:
+        spec.loader.exec_module(module)
+    except DomainError as error:
+        raise LoadError(f"{path}: {error}") from error
+    except Exception as error:
+        line = _line_of(error, str(file))
+        where = f"{path}:{line}" if line else path
+        raise LoadError(f"{where}: {type(error).__name__}: {error}") from error
+    found = {value.name: value for value in vars(module).values() if isinstance(value, Domain)}
+    if not found:
+        raise LoadError(f"{path}: declares no domain (`domain = Domain(NAME)`)")
+    return found
+
+
+def _line_of(error: Exception, path: str) -> int | None:
+    if isinstance(error, SyntaxError):
+        return error.lineno
+    line = None
+    step = error.__traceback__
+    while step is not None:
+        if step.tb_frame.f_code.co_filename == path:
+            line = step.tb_lineno
+        step = step.tb_next
+    return line

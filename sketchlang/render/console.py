@@ -1,0 +1,38 @@
+"""Diagnostics on a terminal."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+
+from sketchlang.diagnostics import Diagnostic, Severity
+from sketchlang.render import full
+
+
+def wants_colour(stream: object) -> bool:
+    """Colours are for terminals whose user did not ask for none (no-color.org)."""
+    isatty = getattr(stream, "isatty", None)
+    return bool(isatty and isatty() and not os.environ.get("NO_COLOR"))
+
+
+def summary(diagnostics: Sequence[Diagnostic], files: Sequence[str]) -> str:
+    """One line for a list of findings."""
+    errors = sum(found.severity is Severity.ERROR for found in diagnostics)
+    warnings = len(diagnostics) - errors
+    if not diagnostics:
+        return f"{', '.join(files)}: ok" if len(files) <= 3 else f"{len(files)} files: ok"
+    parts = [
+        f"{number} {word}{'s' if number > 1 else ''}"
+        for number, word in ((errors, "error"), (warnings, "warning"))
+        if number
+    ]
+    return " and ".join(parts)
+
+
+def show(diagnostics: Sequence[Diagnostic], files: Sequence[str]) -> None:
+    """Print findings and a summary to standard output."""
+    colour = wants_colour(sys.stdout)
+    for found in diagnostics:
+        print(full.render(found, colour), end="\n\n")
+    print(summary(diagnostics, files))

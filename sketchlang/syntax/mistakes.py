@@ -1,0 +1,184 @@
+"""What to say where the parser is stuck."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from grammars.table import KEYWORDS, MISTAKES
+from sketchlang.source import Span
+from sketchlang.suggest import did_you_mean
+from sketchlang.syntax.lalr import STOP, StuckError
+from sketchlang.syntax.lexer import Token
+
+
+class Mistake(NamedTuple):
+    """Code, message, place and hint of one syntax error."""
+
+    code: str
+    message: str
+    span: Span
+    hint: str | None
+
+
+# Message and hint of every code of grammars/mistakes.txt; {found} is the offending token.
+MESSAGES: dict[str, tuple[str, str | None]] = {
+    "feature-without-type": (
+        "a feature needs a type, found {found}",
+        "Write `feature NAME : bool` or `feature NAME : nat` (a whole number from 0 on).",
+    ),
+    "unknown-type": (
+        "a feature is of type `bool` or `nat`, not {found}",
+        "Use `nat` for whole numbers from 0 on.",
+    ),
+    "parameter-without-type": (
+        "a parameter needs a type, found {found}",
+        "Write `define NAME(PARAMETER : TYPE) = ...` with `bool`, `nat` or a sort.",
+    ),
+    "empty-definition": ("an expression is missing", None),
+    "missing-name": ("expected a name, found {found}", None),
+    "missing-arrow": (
+        "expected `->` between conditions and effects, found {found}",
+        "Write `rule NAME { CONDITIONS } -> { EFFECTS }`.",
+    ),
+    "missing-brace": (
+        "expected `{`, found {found}",
+        "Conditions, effects and goals are written in braces.",
+    ),
+    "unclosed-block": ("expected `}`, found {found}", "Close the list with `}`."),
+    "missing-separator": ("expected `,` before {found}", None),
+    "or-in-rule": (
+        "alternatives are not allowed here",
+        "Write a rule for each alternative, or a Boolean feature that is defined with `or`.",
+    ),
+    "expression-in-rule": (
+        "rules and goals name features only, found {found}",
+        "Define a feature for the expression and name it here.",
+    ),
+    "prefix-sign": (
+        "{found} stands before the name of a feature",
+        "Write the sign after the name, as in `n--`, `n++` or `n?`.",
+    ),
+    "double-equals": ("`==` is not an operator", "Write `=`."),
+    "missing-in": (
+        "expected `in`, found {found}",
+        "Write `some x in SET: ...`, and so on.",
+    ),
+    "missing-body": (
+        "this quantifier has no body",
+        "Write `some x in SET: CONDITION` or `sum x in SET where CONDITION: NUMBER`.",
+    ),
+    "unclosed-parenthesis": ("expected `)`, found {found}", None),
+    "unmatched-parenthesis": ("this `)` closes nothing", None),
+    "keyword-default": (
+        "there is no `min` or `max` here that `default` could belong to",
+        "Write `min x in SET: NUMBER default NUMBER`.",
+    ),
+}
+
+# Words that people bring from other languages.
+FOREIGN = {
+    "exists": "some",
+    "any": "some",
+    "forall": "all",
+    "every": "all",
+    "if": "->",
+    "implies": "->",
+    "int": "nat",
+    "integer": "nat",
+    "boolean": "bool",
+}
+
+_EXPRESSION = frozenset({"NAME", "NUMBER", "TRUE", "_LPAR", "SOME"})
+_COMPARISONS = frozenset({"EQ", "NE", "LT", "LE", "GT", "GE", "IN"})
+_OPERATORS = _COMPARISONS | {"_AND", "_OR", "_ARROW", "_PLUS"}
+_WORDS = {name: word for word, name in KEYWORDS.items()} | {
+    "NAME": "a name",
+    "NUMBER": "a number",
+    "STRING": "a quoted path",
+    "SOME": "some",
+    "ALL": "all",
+    "IN": "in",
+    "_AND": "and",
+    "_OR": "or",
+    "NOT": "!",
+    "NE": "!=",
+    "LE": "<=",
+    "GE": ">=",
+    "_ARROW": "->",
+    "DEC": "--",
+    "INC": "++",
+    "ANY": "?",
+    "EQ": "=",
+    "LT": "<",
+    "GT": ">",
+    "_PLUS": "+",
+    "_LPAR": "(",
+    "_RPAR": ")",
+    "_LBRACE": "{",
+    "_RBRACE": "}",
+    "_COMMA": ",",
+    "_COLON": ":",
+}
+_DESCRIPTIONS = {"NAME", "NUMBER", "STRING"}
+
+
+def is_word(token: Token) -> bool:
+    """Whether a token is a keyword of the language."""
+    return token.kind != "NAME" and token.text.isidentifier()
+
+
+def describe(token: Token) -> str:
+    """A token in a sentence."""
+    if token.kind == STOP:
+        return "the end of the item"
+    text = token.text if len(token.text) <= 30 else token.text[:29] + "…"
+    return f"the keyword `{text}`" if is_word(token) else f"`{text}`"
+
+
+def explain(stuck: StuckError) -> Mistake:
+    """The diagnostic for a token that cannot stand where it is."""
+    token = stuck.token
+    span = Span(token.start, token.end)
+    if is_word(token) and "NAME" in stuck.expected and not stuck.expected & {"NUMBER"}:
+        return Mistake(
+            "keyword-as-name",
+            f"`{token.text}` is a keyword and cannot be a name",
+            span,
+            f"Choose another name, for example `{token.text}_`.",
+        )
+    code = MISTAKES.get((stuck.state, token.kind))
+    if code is None:
+        return Mistake("syntax-error", _expected(stuck), span, _foreign(token))
+    message, hint = MESSAGES[code]
+    found = describe(token)
+    if code == "unknown-type":
+        hint = did_you_mean(token.text, ("bool", "nat")) or hint
+    return Mistake(code, message.replace("{found}", found), span, hint)
+
+
+def _expected(stuck: StuckError) -> str:
+    expected = set(stuck.expected)
+    parts = []
+    if expected >= _EXPRESSION:
+        parts.append("an expression")
+        expected -= {"NAME", "NUMBER", "TRUE", "FALSE", "_LPAR", "NOT", "SOME", "ALL"}
+        expected -= {"COUNT", "SUM", "MIN", "MAX"}
+    if expected >= _OPERATORS:
+        parts.append("an operator")
+        expected -= _OPERATORS
+    elif expected >= _COMPARISONS - {"IN"}:
+        parts.append("a comparison")
+        expected -= _COMPARISONS
+    if STOP in expected:
+        parts.append("the end of the item")
+        expected.discard(STOP)
+    for kind in sorted(expected):
+        word = _WORDS[kind]
+        parts.append(word if kind in _DESCRIPTIONS else f"`{word}`")
+    listed = parts[0] if len(parts) == 1 else ", ".join(parts[:-1]) + " or " + parts[-1]
+    return f"expected {listed}, found {describe(stuck.token)}"
+
+
+def _foreign(token: Token) -> str | None:
+    meant = FOREIGN.get(token.text)
+    return f"Did you mean `{meant}`?" if meant else None
