@@ -26,6 +26,7 @@ def build() -> Lark:
 
 def mistakes(parser: Lark, text: str) -> dict[tuple[int, str], str]:
     """Parser state and offending terminal of every example, with its code."""
+    numbers = numbering(parser)
     found: dict[tuple[int, str], str] = {}
     origin: dict[tuple[int, str], str] = {}
     code = ""
@@ -36,7 +37,8 @@ def mistakes(parser: Lark, text: str) -> dict[tuple[int, str], str]:
             code = line.strip()
             continue
         example = line.strip()
-        key = stuck_at(parser, example)
+        state, terminal = stuck_at(parser, example)
+        key = numbers[state], terminal
         if found.setdefault(key, code) != code:
             raise ValueError(f"{code}: {example!r} is stuck where {origin[key]!r} is")
         origin.setdefault(key, example)
@@ -70,22 +72,39 @@ def settled(parser: Lark, states: Sequence[int]) -> int:
         stack.append(table.states[stack[-1]][rule.origin.name][1])
 
 
+def numbering(parser: Lark) -> dict[int, int]:
+    """Lark's states in the order in which they are reached from the first one.
+
+    Lark numbers them by the iteration order of sets, which changes from run to run.
+    """
+    table = parser.parser.parser._parse_table
+    numbers = {table.start_states["start"]: 0}
+    todo = list(numbers)
+    for state in todo:
+        for _, (action, target) in sorted(table.states[state].items(), key=lambda e: e[0]):
+            if action is Shift and target not in numbers:
+                numbers[target] = len(numbers)
+                todo.append(target)
+    return numbers
+
+
 def tables(parser: Lark) -> dict[str, Any]:
     """Everything that `sketchlang.syntax` needs, as plain data."""
-    parse_table = parser.parser.parser._parse_table
+    numbers, parse_table = numbering(parser), parser.parser.parser._parse_table
     rules = {rule: number for number, rule in enumerate(parser.rules)}
     actions: list[dict[str, int]] = []
     gotos: list[dict[str, int]] = []
-    for state in range(len(parse_table.states)):
+    for state in numbers:
+        row = parse_table.states[state]
         on_terminal: dict[str, int] = {}
         on_rule: dict[str, int] = {}
-        for symbol, (action, argument) in sorted(parse_table.states[state].items()):
+        for symbol, (action, argument) in sorted(row.items(), key=lambda e: e[0]):
             if action is not Shift:
                 on_terminal[symbol] = ~rules[argument]
             elif symbol.isupper() or symbol == END:
-                on_terminal[symbol] = argument
+                on_terminal[symbol] = numbers[argument]
             else:
-                on_rule[symbol] = argument
+                on_rule[symbol] = numbers[argument]
         actions.append(on_terminal)
         gotos.append(on_rule)
     keywords, patterns = terminals(parser)
@@ -95,8 +114,8 @@ def tables(parser: Lark) -> dict[str, Any]:
         "PRODUCTIONS": [production(rule) for rule in parser.rules],
         "ACTIONS": actions,
         "GOTOS": gotos,
-        "START": parse_table.start_states["start"],
-        "END": parse_table.end_states["start"],
+        "START": numbers[parse_table.start_states["start"]],
+        "END": numbers[parse_table.end_states["start"]],
         "MISTAKES": mistakes(parser, (HERE / "mistakes.txt").read_text(encoding="utf-8")),
     }
 

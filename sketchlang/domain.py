@@ -21,6 +21,7 @@ import ast
 import collections.abc
 import inspect
 import linecache
+import os
 import types
 import typing
 from collections.abc import Callable, Hashable, Iterable, Mapping
@@ -84,7 +85,9 @@ class Function:
                 start = sum(map(len, lines[:number])) + lines[number].index("def ")
                 end = sum(map(len, lines[: number + 1])) - 1
                 return Label(
-                    Source(code.co_filename, "".join(lines)), Span(start, end), "declared here"
+                    Source(_shown(code.co_filename), "".join(lines)),
+                    Span(start, end),
+                    "declared here",
                 )
         return None
 
@@ -175,7 +178,7 @@ class Domain:
 
     def _where(self, name: str, function: Callable[..., Any]) -> str:
         code = getattr(function, "__code__", None)
-        place = f" ({code.co_filename}:{code.co_firstlineno})" if code else ""
+        place = f" ({_shown(code.co_filename)}:{code.co_firstlineno})" if code else ""
         return f"function {name} of domain {self.name}{place}"
 
     def _type(self, name: str, function: Callable[..., Any], what: str, annotation: Any) -> Type:
@@ -189,10 +192,17 @@ class Domain:
         if found is None:
             sorts = ", ".join(self.sorts) or "none so far"
             raise DomainError(
-                f"{self._where(name, function)}: the annotation of {what}, {annotation!r}, is "
-                f"not bool, Nat, a sort ({sorts}) or frozenset[SORT]"
+                f"{self._where(name, function)}: {what} is annotated with "
+                f"{getattr(annotation, '__name__', annotation)}, which is none of: bool, Nat, a "
+                f"sort ({sorts}), frozenset[SORT]"
             )
         return found
+
+
+def _shown(path: str) -> str:
+    """A path as the user may have written it: relative if it is below the current folder."""
+    relative = os.path.relpath(path)
+    return path if relative.startswith("..") else relative
 
 
 _SETS = (frozenset, set, collections.abc.Set, collections.abc.Collection, collections.abc.Sequence)

@@ -20,7 +20,7 @@ from sketchlang.domain import Domain, DomainError
 from sketchlang.source import Source
 from sketchlang.suggest import did_you_mean
 from sketchlang.syntax import tree
-from sketchlang.syntax.parser import MAX_CHARACTERS, parse
+from sketchlang.syntax.parser import MAX_CHARACTERS, MAX_MISTAKES, parse
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
@@ -152,6 +152,9 @@ def _expand(
             items.append(item)
             continue
         label = Label(parsed.source, item.place)
+        if len(diagnostics) >= MAX_MISTAKES:
+            items.append(item)
+            continue
         try:
             source = _included(item, parsed.source)
         except LoadError as error:

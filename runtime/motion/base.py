@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from runtime.angles import wrap
 from runtime.kernels import arm, plane
 from runtime.robot.model import Body, Floats, RobotModel
 
@@ -145,8 +146,3 @@ def drive(
     if len(kept) == 1:
         kept.append(kept[0])
     return np.array(kept)
-
-
-def wrap(angle: float) -> float:
-    """An angle in (-pi, pi]."""
-    return angle - 2 * math.pi * math.ceil((angle - math.pi) / (2 * math.pi))

@@ -24,8 +24,10 @@ def plan(context: ArmContext, start: Floats, goal: Floats, seed: int) -> Floats 
     line = np.array([start, goal])
     if context.path_is_free(line):
         return line
-    if context.collides(start) or context.collides(goal):
-        return None
+    robot = context.robot
+    for q in line:
+        if np.any(q < robot.lower) or np.any(q > robot.upper) or context.collides(q):
+            return None
     for attempt in range(ATTEMPTS):
         # The planner tests states a step apart; a path that the dense check refuses is
         # searched anew at half the step.
@@ -40,7 +42,8 @@ def rrt_connect(
 ) -> Floats | None:
     """RRT-Connect (Kuffner & LaValle 2000) on the planning joints.
 
-    `resolution` is the step, in radians of joint-space distance, between tested states.
+    Start and goal must be within the joint limits and free of collision: OMPL waits for
+    another goal, without testing states, where one is not. `resolution` is the step, in radians of joint-space distance, between tested states.
     """
     from ompl import base as ob
     from ompl import geometric as og
@@ -58,7 +61,7 @@ def rrt_connect(
     space.setBounds(bounds)
     info = ob.SpaceInformation(space)
     q = np.empty(n)
-    checks = 0
+    checks = polls = 0
 
     def is_valid(state: Any) -> bool:
         nonlocal checks
@@ -66,6 +69,11 @@ def rrt_connect(
         for i in range(n):
             q[i] = state[i]
         return not context.collides(q)
+
+    def is_over() -> bool:
+        nonlocal polls
+        polls += 1
+        return checks >= MAX_CHECKS or polls >= MAX_CHECKS
 
     info.setStateValidityChecker(is_valid)
     info.setStateValidityCheckingResolution(resolution / space.getMaximumExtent())
@@ -79,7 +87,7 @@ def rrt_connect(
     problem.setStartAndGoalStates(first, last)
     planner.setProblemDefinition(problem)
     planner.setup()
-    planner.solve(ob.PlannerTerminationCondition(lambda: checks >= MAX_CHECKS))
+    planner.solve(ob.PlannerTerminationCondition(is_over))
     path = None
     if problem.hasExactSolution():
         states = problem.getSolutionPath().getStates()

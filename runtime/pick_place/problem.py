@@ -8,14 +8,20 @@ from pathlib import Path
 
 import numpy as np
 
+from runtime.motion import timing
 from runtime.motion.motion import Motion
+from runtime.pick_place.document import describe, document
 from runtime.pick_place.executability import Executor
 from runtime.pick_place.profile import Profile
 from runtime.pick_place.sampling import Sampler, Samples
 from runtime.pick_place.state import Action, MoveBase, State
 from runtime.pick_place.task import Task
+from runtime.plan import write_plan
 from runtime.robot.load import load_robot
 from runtime.scene.load import load_scene
+from runtime.search.guide import Subgoal
+from runtime.search.siw_r import Outcome
+from sketchlang.model import SketchModel
 
 SEEDS = 12
 """Starting points for inverse kinematics, doubled with each attempt up to ..."""
@@ -67,6 +73,39 @@ class PickPlaceProblem:
     def feature_key(self, state: State) -> Hashable:
         """Features depend on the objects and the grasp, not on where the robot stands."""
         return state.placements, state.grasp
+
+    def warm_up(self) -> None:
+        """Compile the kernels, or load them from the cache."""
+        from runtime.pick_place.warm import warm_up
+
+        warm_up(self.task.robot)
+
+    def describe(self, subgoal: Subgoal) -> str:
+        """The manipulations of a subplan in a few words."""
+        words = [describe(self.task, a) for a in subgoal.actions if not isinstance(a, MoveBase)]
+        return ", ".join(words) or "drive"
+
+    def profile_dict(self) -> dict[str, dict[str, float]]:
+        """The profile of X."""
+        return self.profile.as_dict()
+
+    def robot_name(self) -> str | None:
+        """The robot's name."""
+        return self.task.robot.name
+
+    def execution_time(self, outcome: Outcome) -> float:
+        """Seconds that the motions of an outcome take."""
+        return sum(
+            timing.duration(self.task.robot, motion)
+            for subgoal in outcome.subgoals
+            for motion in subgoal.motions
+        )
+
+    def write_plan(
+        self, model: SketchModel, outcome: Outcome, planner: str, seed: int, path: Path
+    ) -> None:
+        """Write the plan file."""
+        write_plan(document(self.task, model, outcome, planner, seed), path)
 
 
 def load_problem(path: str, options: Mapping[str, object]) -> PickPlaceProblem:

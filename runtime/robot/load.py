@@ -112,6 +112,10 @@ def _build(table: Table, urdf: Urdf, digest: str) -> RobotModel:
             strip.number("arm_half_width"),
         ),
         home=home,
+        ignored=frozenset(frozenset(pair) for pair in table.pairs("ignored_collisions")),
+        fixed=fixed,
+        urdf=urdf,
+        urdf_tool=tip,
         digest=digest,
     )
 

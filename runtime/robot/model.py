@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from runtime.kernels import arm
-from runtime.robot.urdf import Box, Pose, compose
+from runtime.robot.urdf import Box, Pose, Urdf, compose
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -98,7 +98,9 @@ class RobotModel:
     """A robot: planning joints (lift and arm) in chain order, boxes, gripper, base.
 
     `tool` is the grasp frame in the last frame of the chain. `home` is the posture in which
-    the robot drives. Limits in rad or m, velocities and accelerations a second.
+    the robot drives. Limits in rad or m, velocities and accelerations a second. `ignored`
+    are pairs of links that may touch, `fixed` the values of movable joints outside the
+    planning group, `urdf_tool` the link whose frame is the tool.
     """
 
     name: str
@@ -116,6 +118,10 @@ class RobotModel:
     workspace: ArmWorkspace
     strip: Strip
     home: Floats
+    ignored: frozenset[frozenset[str]]
+    fixed: dict[str, float]
+    urdf: Urdf
+    urdf_tool: str
     digest: str
 
     def body(self, opening: float, held: Box | None = None) -> Body:

@@ -31,7 +31,7 @@ class Box:
 
 @dataclass(frozen=True)
 class Joint:
-    """A joint and where it sits in its parent link; limits in rad, m, rad/s, m/s."""
+    """A joint and where it sits in its parent link; unit axis; limits in rad, m, rad/s, m/s."""
 
     name: str
     type: str
@@ -169,13 +169,17 @@ def _read_joint(path: Path, element: ElementTree.Element) -> Joint:
         raise InputError(f"{path}: joint {name!r} lacks its parent or child link")
     axis, limit = element.find("axis"), element.find("limit")
     try:
+        direction = np.array(_numbers(axis.get("xyz"), 3) if axis is not None else [1.0, 0.0, 0.0])
+        length = float(np.linalg.norm(direction))
+        if length == 0.0:
+            raise ValueError("its axis has no direction")
         return Joint(
             name,
             kind,
             parent.get("link", ""),
             child.get("link", ""),
             _read_origin(element),
-            np.array(_numbers(None if axis is None else axis.get("xyz"), 3)),
+            direction / length,
             float(limit.get("lower", 0.0)) if limit is not None else -math.inf,
             float(limit.get("upper", 0.0)) if limit is not None else math.inf,
             float(limit.get("velocity", 0.0)) if limit is not None else math.inf,

@@ -7,10 +7,14 @@ with the states they lead to (N) if they are executable, and `Subproblem.execute
 
 from __future__ import annotations
 
+import json
 from collections.abc import Hashable, Iterable
+from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
+
+from runtime.files import write_text
 
 State = Any
 Action = Any
@@ -30,7 +34,7 @@ class Subproblem(Protocol):
 
 
 class SearchProblem(Protocol):
-    """A problem that can be sampled."""
+    """A problem that can be sampled, and what reports want to know of it."""
 
     @property
     def initial(self) -> State: ...
@@ -41,6 +45,30 @@ class SearchProblem(Protocol):
 
     def feature_key(self, state: State) -> Hashable:
         """States with the same key have the same feature values."""
+        ...
+
+    def warm_up(self) -> None:
+        """Do what must not count as planning time: compile kernels, load libraries."""
+        ...
+
+    def describe(self, subgoal: Any) -> str:
+        """The actions of a subplan in a few words."""
+        ...
+
+    def profile_dict(self) -> dict[str, dict[str, float]]:
+        """Calls, successes and time of each step of X; empty where there are none."""
+        ...
+
+    def robot_name(self) -> str | None:
+        """The robot, or None where there is none."""
+        ...
+
+    def execution_time(self, outcome: Any) -> float:
+        """Seconds that the motions of an outcome take."""
+        ...
+
+    def write_plan(self, model: Any, outcome: Any, planner: str, seed: int, path: Path) -> None:
+        """Write the plan of a solved outcome."""
         ...
 
 
@@ -74,3 +102,40 @@ class ClassicalProblem:
     def feature_key(self, state: State) -> Hashable:
         key: Hashable = state
         return key
+
+    def warm_up(self) -> None:
+        """Nothing to do."""
+
+    def describe(self, subgoal: Any) -> str:
+        return ", ".join(str(action) for action in subgoal.actions)
+
+    def profile_dict(self) -> dict[str, dict[str, float]]:
+        return {}
+
+    def robot_name(self) -> str | None:
+        return None
+
+    def execution_time(self, outcome: Any) -> float:
+        return 0.0
+
+    def write_plan(self, model: Any, outcome: Any, planner: str, seed: int, path: Path) -> None:
+        actions = [str(action) for subgoal in outcome.subgoals for action in subgoal.actions]
+        subgoals = [{"rule": s.rule, "actions": len(s.actions)} for s in outcome.subgoals]
+        data = {
+            "format": "sketchlang-actions",
+            "version": 1,
+            "sketch": model.name,
+            "planner": planner,
+            "seed": seed,
+            "subgoals": subgoals,
+            "actions": actions,
+        }
+        write_text(path, json.dumps(data, indent=1) + "\n")
+
+
+def searchable(problem: Any) -> SearchProblem:
+    """What a domain's scene loader made, as a problem that can be searched."""
+    if hasattr(problem, "subproblem"):
+        found: SearchProblem = problem
+        return found
+    return ClassicalProblem(problem)

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from sketchlang.analysis.bits import RuleBits, members, rule_bits
 from sketchlang.analysis.cubes import (
     Cube,
+    TooManyCubesError,
     Work,
     complement,
     covered,
@@ -23,8 +24,8 @@ from sketchlang.analysis.cubes import (
 )
 from sketchlang.model import SketchModel
 
-MOST_WORK = 2_000_000
-"""Steps before coverage gives up: some ten seconds."""
+MOST_WORK = 10_000_000
+"""Steps before coverage gives up: some seconds."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,10 +59,17 @@ class Overlap:
 
 @dataclass(frozen=True, slots=True)
 class Coverage:
-    """Gaps as few large cubes, and rules that no state can use."""
+    """Gaps, rules that no state can use, and how many valuations there are of each sort.
+
+    The gaps are few and large if `grouped`, otherwise there are too many for that and they
+    are as they were found. `possible` counts the valuations that satisfy the invariants.
+    """
 
     gaps: tuple[Gap, ...]
     dead: tuple[int, ...]
+    grouped: bool
+    uncovered: int
+    possible: int
 
 
 class _Sets:
@@ -88,14 +96,30 @@ def find_coverage(model: SketchModel, most_work: int = MOST_WORK) -> Coverage:
     outside = sets.excluded + sets.goal
     provided = [cube for cubes in sets.usable for cube in cubes]
     on = complement(outside + provided, work)
-    off = complement(on + sets.excluded, work)
-    gaps = tuple(Gap(c, _obstacles(model, sets.rules, c)) for c in fewest_cubes(on, off, work))
     dead = tuple(
         index
         for index, cubes in enumerate(sets.usable)
         if all(covered(cube, outside, work) for cube in cubes)
     )
-    return Coverage(gaps, dead)
+    possible = complement(sets.excluded, work)
+    try:
+        off = complement(on, work)
+        cubes, grouped = fewest_cubes(on, off, work), True
+    except TooManyCubesError:
+        cubes, grouped = sorted(on, key=lambda cube: cube.known.bit_count()), False
+    count = len(model.features)
+    return Coverage(
+        gaps=tuple(Gap(cube, _obstacles(model, sets.rules, cube)) for cube in cubes),
+        dead=dead,
+        grouped=grouped,
+        uncovered=_size(on, count),
+        possible=_size(possible, count),
+    )
+
+
+def _size(cubes: Sequence[Cube], features: int) -> int:
+    """How many valuations disjoint cubes have."""
+    return sum(1 << (features - cube.known.bit_count()) for cube in cubes)
 
 
 def find_overlaps(model: SketchModel, most_work: int = MOST_WORK) -> list[Overlap]:

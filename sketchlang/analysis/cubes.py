@@ -34,9 +34,9 @@ class Work:
     def __init__(self, most: int) -> None:
         self.left = most
 
-    def step(self) -> None:
+    def step(self, steps: int = 1) -> None:
         """Raises `TooManyCubesError` when the steps are used up."""
-        self.left -= 1
+        self.left -= steps
         if self.left < 0:
             raise TooManyCubesError
 
@@ -67,7 +67,7 @@ def complement(cubes: Iterable[Cube], work: Work, within: Cube = EVERYTHING) -> 
 
 def _complement(cubes: list[Cube], path: Cube, found: list[Cube], work: Work) -> None:
     """`cubes` do not mention the features known on the path."""
-    work.step()
+    work.step(1 + len(cubes))
     if not cubes:
         found.append(path)
         return
@@ -95,14 +95,15 @@ def covered(cube: Cube, by: Iterable[Cube], work: Work) -> bool:
     return not complement(by, work, within=cube)
 
 
-def expanded(cube: Cube, off: Sequence[Cube]) -> Cube:
+def expanded(cube: Cube, off: Sequence[Cube], work: Work) -> Cube:
     """The cube with as few of its literals as keep it apart from every cube in `off`."""
+    work.step(len(off))
     clashes = {(cube.bits ^ other.bits) & cube.known & other.known for other in off}
-    kept = fewest_hitting(sorted(clashes, key=int.bit_count))
+    kept = fewest_hitting(sorted(clashes, key=int.bit_count), work)
     return Cube(kept, cube.bits & kept)
 
 
-def fewest_hitting(sets: Sequence[int]) -> int:
+def fewest_hitting(sets: Sequence[int], work: Work) -> int:
     """A smallest set (as a mask) that meets all the given ones, none of which is empty."""
     minimal: list[int] = []
     for candidate in sets:
@@ -114,6 +115,7 @@ def fewest_hitting(sets: Sequence[int]) -> int:
 
     def search(left: list[int], chosen: int) -> None:
         nonlocal best
+        work.step(1 + len(left))
         if chosen.bit_count() + bool(left) >= best.bit_count():
             if not left and chosen.bit_count() < best.bit_count():
                 best = chosen
@@ -131,7 +133,7 @@ def fewest_hitting(sets: Sequence[int]) -> int:
 
 def fewest_cubes(on: Sequence[Cube], off: Sequence[Cube], work: Work) -> list[Cube]:
     """Few large cubes that together contain `on` and touch nothing of `off`."""
-    chosen = list(dict.fromkeys(expanded(cube, off) for cube in on))
+    chosen = list(dict.fromkeys(expanded(cube, off, work) for cube in on))
     # Leave out what the others cover, the most special ones first.
     for cube in sorted(chosen, key=lambda c: (-c.known.bit_count(), c)):
         others = [other for other in chosen if other != cube]
@@ -159,8 +161,7 @@ def cubes_of(formula: Formula, value: bool, work: Work) -> list[Cube]:
             product = [EVERYTHING]
             for part in parts:
                 pairs = [(a, b) for a in product for b in part]
-                work.left -= len(pairs)
-                work.step()
+                work.step(len(pairs))
                 met = [intersection(a, b) for a, b in pairs]
                 product = _without_contained([cube for cube in met if cube is not None])
             return product

@@ -37,10 +37,16 @@ class Budget:
     seconds: float | None = None
     megabytes: float | None = None
     started: float = field(default_factory=time.perf_counter)
+    base_mb: float = field(default_factory=peak_memory_mb)
 
     def check(self) -> None:
         """Raises `LimitReachedError` when time or memory is used up."""
         if self.seconds is not None and time.perf_counter() - self.started > self.seconds:
             raise LimitReachedError("time", f"time limit of {self.seconds:g} s")
         if self.megabytes is not None and peak_memory_mb() > self.megabytes:
+            raise LimitReachedError("memory", f"memory limit of {self.megabytes:g} MB")
+
+    def reserve(self, megabytes: float) -> None:
+        """Raises `LimitReachedError` if this much on top of the start would be too much."""
+        if self.megabytes is not None and self.base_mb + megabytes > self.megabytes:
             raise LimitReachedError("memory", f"memory limit of {self.megabytes:g} MB")

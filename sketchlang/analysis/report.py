@@ -1,23 +1,19 @@
-"""A verdict on termination as text for people and as JSON for programs."""
+"""A verdict on termination as text for people and as JSON for programs.
+
+Evidence is written by the modules next to this one, each imported when there is some of
+its kind: to be quick about it is part of the command.
+"""
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Callable
 from typing import Any
 
-from sketchlang.analysis.argument import argument
-from sketchlang.analysis.certificate import certificate_of
-from sketchlang.analysis.refutation import Change, Edit, Refutation, Remedy, refutation
 from sketchlang.analysis.termination import NonTerminating, Terminating, Undecided, Verdict
-from sketchlang.analysis.words import cube, effect, listed
-from sketchlang.model import Kind, Rule, SketchModel
+from sketchlang.model import Rule, SketchModel
 from sketchlang.source import Span
 
 WIDTH = 100
-
-MOST_STEPS = 40
-"""Steps of a cycle that are written out; JSON has them all."""
 
 Position = Callable[[Rule, Span | None], str]
 """Says where a rule, or a part of it, was written."""
@@ -27,16 +23,21 @@ def as_text(model: SketchModel, verdict: Verdict, position: Position) -> str:
     """The verdict and its evidence, lines broken for a terminal."""
     match verdict:
         case Terminating():
-            lines = [f"{model.name} terminates ({_method(verdict)}).", ""]
+            from sketchlang.analysis.argument import argument
+
+            method = "Sieve" if verdict.by_sieve else "rule elimination"
+            lines = [f"{model.name} terminates (proved by {method}).", ""]
             lines += argument(model, verdict.steps)
         case NonTerminating():
-            lines = _refuted(model, refutation(model, verdict), position)
+            from sketchlang.analysis import refutation_report
+
+            lines = refutation_report.as_lines(model, verdict, position)
         case Undecided():
             lines = [
                 f"{model.name}: undecided, the {verdict.limit} was reached.",
                 "The sketch may terminate or not. A higher limit may tell.",
             ]
-    return "\n".join(_wrapped(line) for line in lines)
+    return "\n".join(part for line in lines for part in wrapped(line))
 
 
 def as_json(model: SketchModel, verdict: Verdict, position: Position) -> dict[str, Any]:
@@ -50,175 +51,33 @@ def as_json(model: SketchModel, verdict: Verdict, position: Position) -> dict[st
     }
     match verdict:
         case Terminating():
+            from sketchlang.analysis.argument import argument
+            from sketchlang.analysis.certificate import certificate_of
+
             result["verdict"] = "terminating"
             result["method"] = "sieve" if verdict.by_sieve else "rule-elimination"
             result["argument"] = argument(model, verdict.steps)
             result["certificate"] = certificate_of(model, verdict)
         case NonTerminating():
+            from sketchlang.analysis import refutation_report
+
             result["verdict"] = "non-terminating"
-            result["counterexample"] = _counterexample(model, refutation(model, verdict), position)
+            result |= refutation_report.as_json(model, verdict, position)
         case Undecided():
             result["limit"] = {"kind": verdict.kind, "text": verdict.limit}
     return result
 
 
-def _method(verdict: Terminating) -> str:
-    return "proved by Sieve" if verdict.by_sieve else "proved by rule elimination"
-
-
-def _wrapped(line: str) -> str:
+def wrapped(line: str) -> list[str]:
     """Long lines of prose are broken; tables (with two blanks in a row inside) are not."""
     body = line.lstrip()
-    indent = line[: len(line) - len(body)]
     if len(line) <= WIDTH or "  " in body:
-        return line
-    return textwrap.fill(
-        body, WIDTH, initial_indent=indent, subsequent_indent=indent + "   ", break_long_words=False
-    )
-
-
-# Counterexamples.
-
-
-def _refuted(model: SketchModel, found: Refutation, position: Position) -> list[str]:
-    used = list(dict.fromkeys(model.rules[step.rule].name for step in found.steps))
-    lines = [
-        f"{model.name} does not terminate: {listed(used)} can "
-        f"{'go on' if len(used) > 1 else 'fire'} for ever.",
-        "",
-    ]
-    lines += _table(
-        ["step", "valuation", "rule", "what changes"],
-        [
-            [
-                str(number),
-                _valuation(model, step.values),
-                model.rules[step.rule].name,
-                ", ".join(_change(model, change) for change in step.changes) or "nothing",
-            ]
-            for number, step in enumerate(found.steps[:MOST_STEPS], start=1)
-        ],
-    )
-    if len(found.steps) > MOST_STEPS:
-        lines.append(f"... and {len(found.steps) - MOST_STEPS} more steps; --json lists them all.")
-    lines.append("")
-    if found.growing:
-        names = listed([model.features[f].name for f in found.growing])
-        lines.append(f"Then it starts again, with {names} grown by the same amount each time.")
-    else:
-        lines.append("Then it starts again with the same numbers:")
-    lines.append("")
-    rows = [
-        [*map(str, step.values), model.rules[step.rule].name] for step in found.steps[:MOST_STEPS]
-    ]
-    again = "and so on" if found.growing else "as at the start"
-    if len(found.steps) <= MOST_STEPS:
-        rows.append([*map(str, found.last), again])
-    lines += _table([feature.name for feature in model.features] + ["rule"], rows)
-    lines += ["", *_remedies(model, found, position)]
-    return lines
-
-
-def _valuation(model: SketchModel, values: tuple[int, ...]) -> str:
-    bits = sum((value > 0) << f for f, value in enumerate(values))
-    return cube(model, (1 << len(values)) - 1, bits)
-
-
-def _change(model: SketchModel, change: Change) -> str:
-    if model.features[change.feature].kind is Kind.BOOL:
-        if change.written.endswith("?"):
-            return f"{change.written}: {'true' if change.after else 'false'}"
-        return change.written
-    if change.before == change.after:
-        return f"{change.written}: stays {change.after}"
-    return f"{change.written}: {change.before} -> {change.after}"
-
-
-def _remedies(model: SketchModel, found: Refutation, position: Position) -> list[str]:
-    if not found.remedies:
-        return [
-            "No rule on this cycle has to change anything for good: each needs an effect that "
-            "lowers a nat or turns a Boolean, with nothing to undo it."
-        ]
-    lines = ["To break this cycle, do one of these:"]
-    for remedy in found.remedies:
-        outcome = {
-            True: " Then the sketch terminates.",
-            False: " Other cycles remain then.",
-            None: "",
-        }[remedy.suffices]
-        if remedy.bound is not None:
-            lines.append(f"- {remedy.reason}: declare it bounded, if it is.{outcome}")
-            continue
-        lines.append(f"- {remedy.reason}.{outcome}")
-        lines += [f"    {_edit(model, edit, position)}" for edit in remedy.edits]
-    return lines
-
-
-def _edit(model: SketchModel, edit: Edit, position: Position) -> str:
-    rule = model.rules[edit.rule]
-    written = effect(model, edit.feature, rule.effects[edit.feature])
-    place = position(rule, edit.span)
-    if edit.effect is None:
-        return f"{place}: {rule.name} without `{written}`"
-    return (
-        f"{place}: {rule.name} with `{effect(model, edit.feature, edit.effect)}`, not `{written}`"
-    )
-
-
-def _table(header: list[str], rows: list[list[str]]) -> list[str]:
-    widths = [max(len(row[i]) for row in [header, *rows]) for i in range(len(header))]
-    return [
-        "  "
-        + "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
-        for row in [header, *rows]
-    ]
-
-
-def _counterexample(model: SketchModel, found: Refutation, position: Position) -> dict[str, Any]:
-    names = [feature.name for feature in model.features]
-    return {
-        "rules": list(dict.fromkeys(model.rules[step.rule].name for step in found.steps)),
-        "cycle": [
-            {
-                "values": dict(zip(names, step.values, strict=True)),
-                "valuation": _valuation(model, step.values),
-                "rule": model.rules[step.rule].name,
-                "changes": [
-                    {
-                        "feature": names[change.feature],
-                        "effect": change.written,
-                        "before": change.before,
-                        "after": change.after,
-                    }
-                    for change in step.changes
-                ],
-            }
-            for step in found.steps
-        ],
-        "last": dict(zip(names, found.last, strict=True)),
-        "growing": [names[f] for f in found.growing],
-        "remedies": [_remedy(model, remedy, position) for remedy in found.remedies],
-    }
-
-
-def _remedy(model: SketchModel, remedy: Remedy, position: Position) -> dict[str, Any]:
-    return {
-        "reason": remedy.reason,
-        "then_terminates": remedy.suffices,
-        "declare_bounded": None if remedy.bound is None else model.features[remedy.bound].name,
-        "edits": [
-            {
-                "rule": model.rules[edit.rule].name,
-                "feature": model.features[edit.feature].name,
-                "written": effect(
-                    model, edit.feature, model.rules[edit.rule].effects[edit.feature]
-                ),
-                "instead": None
-                if edit.effect is None
-                else effect(model, edit.feature, edit.effect),
-                "place": position(model.rules[edit.rule], edit.span),
-            }
-            for edit in remedy.edits
-        ],
-    }
+        return [line]
+    indent = " " * (len(line) - len(body))
+    lines, current = [], indent
+    for word in body.split(" "):
+        if len(current) + len(word) > WIDTH and current.strip():
+            lines.append(current.rstrip())
+            current = indent + "   "
+        current += word + " "
+    return [*lines, current.rstrip()]

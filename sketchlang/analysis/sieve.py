@@ -34,6 +34,9 @@ from sketchlang.model import SketchModel
 TRIAL_CELLS = 64
 """Components up to this size try every feature that would break the walk and keep the best."""
 
+MOST_FEATURES = 10
+"""Features up to which all rules that may fire for ever are found, not only one cycle's."""
+
 
 @dataclass(eq=False)
 class Part:
@@ -95,6 +98,17 @@ class Sieve:
             left = [rule for rule in left if rule.index in quick.left]
         return SieveResult(tuple(steps), ())
 
+    def survivors(self) -> frozenset[int] | None:
+        """The rules with an edge that textbook Sieve, with every feature, cannot remove."""
+        count = len(self.model.features)
+        if count > MOST_FEATURES:
+            return None
+        known = (1 << count) - 1
+        cells = tuple(cell for cell in range(1 << count) if not self.outside(known, cell))
+        everything = Part(known, cells, tuple(rule for rule in self.rules if not rule.dead))
+        self._take_apart(everything)
+        return self._kept(everything)
+
     def _kept(self, root: Part) -> frozenset[int]:
         return frozenset(rule.index for part in root.stuck() for rule in part.rules)
 
@@ -152,6 +166,7 @@ class Sieve:
 
     def _steps(self, part: Part, useful: frozenset[int]) -> tuple[list[Step], frozenset[int]]:
         """The steps of a part and the rules that they leave, without steps that lead nowhere."""
+        self.budget.check()
         left = frozenset(rule.index for rule in part.entered)
         steps: list[Step] = []
         for step in part.drops:

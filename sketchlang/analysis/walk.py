@@ -156,11 +156,13 @@ def close(
     """
     choices: dict[int, list[list[int]]] = {}
     reasons = 0
+    used = {move.rule for move in walk}
     for feature, declared in enumerate(model.features):
         if tracked >> feature & 1:
             continue
         prefer = int(declared.kind is Kind.NAT)
-        found = list(_bit_loops([rules[m.rule].pairs(feature) for m in walk], prefer))
+        pairs = {index: rules[index].pairs(feature) for index in used}
+        found = list(_bit_loops([pairs[move.rule] for move in walk], prefer))
         if not found:
             reasons |= 1 << feature
         choices[feature] = found

@@ -64,6 +64,8 @@ class _Checker:
         self.domain = domain
         self.report = Report()
         self.declarations = collect(parsed, self.report)
+        declared = self.declarations
+        self.is_part = declared.title is None and "sketch" not in declared.broken_items
         self.functions: Mapping[str, Function] = self._functions()
         self.index = {name: i for i, name in enumerate(self.declarations.features)}
         self.typer = Typer(self.declarations, domain, self.functions, self.report, self.index)
@@ -93,7 +95,7 @@ class _Checker:
         goal = self._goal(reader)
         invariants = self._invariants()
         self._relations(reader, rules, goal, invariants)
-        self._unused(rules, goal)
+        self._unused()
         name = declarations.title.item.name.text if declarations.title else "sketch"
         model = SketchModel(name, features, rules, goal, invariants)
         order_ = tuple(self.index[name] for name in ordered if name in self.index)
@@ -118,15 +120,15 @@ class _Checker:
 
     def _title(self) -> None:
         declarations = self.declarations
-        if declarations.title is None and "sketch" not in declarations.broken_items:
+        if self.is_part:
             first = self.tree.items[0].span if self.tree.items else Span(0, 0)
             self.report.add(
                 "no-title",
-                "the sketch has no name",
+                "this file names no sketch, so it is only a part for others to include",
                 Label(self.source, Span(first.start, first.start)),
-                hint="Begin with `sketch NAME`.",
+                hint="Begin with `sketch NAME` if it is a sketch.",
             )
-        if not declarations.rules and not declarations.broken_items & {"rule", "rules", ""}:
+        elif not declarations.rules and not declarations.broken_items & {"rule", ""}:
             end = len(self.source.text.rstrip())
             self.report.add(
                 "no-rules",
@@ -195,7 +197,8 @@ class _Checker:
         for level, parameter in enumerate(placed.item.parameters):
             label = placed.label(parameter.name.span)
             if parameter.name.text in names:
-                first = names[parameter.name.text].place
+                place = names[parameter.name.text].place
+                first = Label(place.source, place.span, "first declared here")
                 message = f"parameter `{parameter.name.text}` is declared twice"
                 self.report.add("duplicate-parameter", message, label, first)
                 continue
@@ -207,7 +210,7 @@ class _Checker:
             names[parameter.name.text] = Binding(node, label)
         scope = Scope(placed.source, names, len(placed.item.parameters))
         body = self.typer.node(placed.item.body, scope)
-        if body.type == UNKNOWN:
+        if not body.sound:
             return
         self.typer.sound.add(name)
         for text, binding in names.items():
@@ -231,7 +234,7 @@ class _Checker:
     def _goal(self, reader: RuleReader) -> dict[int, bool] | None:
         placed = self.declarations.goal
         if placed is None:
-            if "goal" not in self.declarations.broken_items:
+            if "goal" not in self.declarations.broken_items and not self.is_part:
                 end = len(self.source.text.rstrip())
                 self.report.add(
                     "no-goal",
@@ -247,7 +250,7 @@ class _Checker:
         for placed in self.declarations.invariants:
             scope = Scope(placed.source)
             node = self.typer.expect(placed.item.formula, BOOL, "an invariant", scope)
-            if node.type != BOOL or _has_unknown(node):
+            if node.type != BOOL or not node.sound:
                 continue
             made = formulas.invariant(placed, node, self.report)
             if made is None:
@@ -266,7 +269,9 @@ class _Checker:
                 label = placed.label(name.span)
                 if name.text in names:
                     message = f"`{name.text}` is listed twice"
-                    self.report.add("repeated-atom", message, label, names[name.text])
+                    place = names[name.text]
+                    first = Label(place.source, place.span, "first listed here")
+                    self.report.add("repeated-atom", message, label, first)
                     continue
                 names[name.text] = label
                 if self.domain is not None and name.text not in self.domain.atoms:
@@ -300,15 +305,20 @@ class _Checker:
         relations = Relations(reader.features, rules, places, reader.faulty, self.report)
         relations.check(goal, invariants)
 
-    def _unused(self, rules: tuple[Rule, ...], goal: Mapping[int, bool] | None) -> None:
-        named = {f for rule in rules for f in (*rule.conditions, *rule.effects)} | set(goal or ())
-        used = self.typer.used
+    def _unused(self) -> None:
         declarations = self.declarations
+        blocks = [placed.item.conditions for placed in declarations.rules.values()]
+        blocks += [placed.item.effects for placed in declarations.rules.values()]
+        if declarations.goal is not None:
+            blocks.append(declarations.goal.item.block)
+        # Wrong literals count as well, so not the rules of the model.
+        used = {literal.name.text for block in blocks for literal in block.literals}
+        used |= self.typer.used
         # A broken item may be what uses them.
-        if declarations.broken_items or declarations.incomplete:
+        if declarations.broken_items or declarations.incomplete or self.is_part:
             return
         for name, placed in declarations.features.items():
-            if self.index[name] not in named and name not in used:
+            if declarations.rules and name not in used:
                 self.report.add(
                     "unused-feature",
                     f"feature `{name}` is named nowhere, so no subgoal may change it",
@@ -329,6 +339,3 @@ def _spans(block: tree.Block, index: Mapping[str, int]) -> dict[int, Span]:
             spans.setdefault(feature, literal.span)
     return spans
 
-
-def _has_unknown(node: Node) -> bool:
-    return node.kind == "unknown" or any(map(_has_unknown, node.parts))

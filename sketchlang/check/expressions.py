@@ -227,13 +227,15 @@ class Typer:
         self.hiding(name, scope)
         where = scope.label(name.span)
         binding = Binding(self.store.variable(scope.level, element, where), where)
+        before = len(self.report.diagnostics)
         inner = scope.bind(name.text, binding)
         condition = self.store.constant(True, where)
         if expr.condition is not None:
             condition = self.expect(expr.condition, BOOL, "the condition after `where`", inner)
         wanted = _BODY[expr.kind]
         body = self.expect(expr.body, wanted, f"the body of `{expr.kind}`", inner)
-        if not binding.used and UNKNOWN not in (body.type, condition.type):
+        # The use may be in a part that was left out because it is wrong.
+        if not binding.used and len(self.report.diagnostics) == before:
             self.report.add(
                 "unused-variable",
                 f"variable `{name.text}` is never used",
@@ -365,7 +367,7 @@ class Typer:
         if arguments is None or name in self.circular:
             return self._unknown(place)
         unfolded = self.unfold(name, arguments, scope.level)
-        if unfolded.type == UNKNOWN and name in self.sound:
+        if not unfolded.sound and name in self.sound and all(a.sound for a in arguments):
             self._too_deep(place)
         return unfolded
 

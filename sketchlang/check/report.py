@@ -32,6 +32,9 @@ WARNINGS = frozenset(
 )
 """Codes of findings that do not keep a sketch from being used."""
 
+MAX_FINDINGS = 200
+"""So many findings are told of a file."""
+
 
 @dataclass
 class Report:
@@ -49,7 +52,11 @@ class Report:
         hint: str | None = None,
     ) -> None:
         """Note a finding, unless the report is muted."""
-        if self.muted:
+        if self.muted or len(self.diagnostics) > MAX_FINDINGS:
+            return
+        if len(self.diagnostics) == MAX_FINDINGS:
+            message = f"more than {MAX_FINDINGS} findings: further ones are left out"
+            self.diagnostics.append(Diagnostic("too-many-errors", message, primary))
             return
         severity = Severity.WARNING if code in WARNINGS else Severity.ERROR
         self.diagnostics.append(Diagnostic(code, message, primary, secondary, hint, severity))

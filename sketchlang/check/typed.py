@@ -21,6 +21,7 @@ class Node:
 
     | kind | parts | value |
     |---|---|---|
+    | `unknown` | | |
     | `constant` | | the number or truth value |
     | `variable` | | its level |
     | `feature` | | its index |
@@ -29,7 +30,8 @@ class Node:
     | `some all count sum min max` | set, condition, body, default or not | level of its variable |
 
     `free` are the levels of the variables it needs. `height` counts the nodes on the
-    longest way down. `place` is where it was first written.
+    longest way down. `sound` tells that there is no part `unknown`, which stands for what was
+    reported as wrong. `place` is where it was first written.
     """
 
     kind: str
@@ -38,6 +40,7 @@ class Node:
     value: object
     free: frozenset[int]
     height: int
+    sound: bool
     place: Label
 
     @property
@@ -78,7 +81,8 @@ class Store:
             assert isinstance(value, int)
             free -= {value}
         height = 1 + max((part.height for part in parts), default=0)
-        made = Node(kind, type_, parts, value, free, height, place)
+        sound = kind != "unknown" and all(part.sound for part in parts)
+        made = Node(kind, type_, parts, value, free, height, sound, place)
         self._nodes[key] = made
         return made
 

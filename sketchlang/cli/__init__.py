@@ -11,6 +11,9 @@ from sketchlang import __version__
 
 COMMANDS = {
     "check": "Parse a sketch, check its types and rules.",
+    "fmt": "Write sketches in their canonical form.",
+    "explain": "Print what a diagnostic means.",
+    "new": "Write a working domain to start from.",
     "terminate": "Prove that a sketch terminates, or show how it does not.",
     "verify": "Check a proof of termination independently.",
     "coverage": "Find states that no rule provides for.",

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import sys
+
 import click
 
 from sketchlang.diagnostics import Diagnostic, Severity
 from sketchlang.loader import Loaded, LoadError, domains_of_file, load_source, load_text
-from sketchlang.render import console
+
+FORMATS = ("full", "concise", "json", "github", "sarif")
 
 
 def further_warnings(_loaded: Loaded) -> list[Diagnostic]:
@@ -17,23 +20,67 @@ def further_warnings(_loaded: Loaded) -> list[Diagnostic]:
 @click.command("check")
 @click.argument("files", nargs=-1, required=True, metavar="FILE...")
 @click.option("--domain", "domain_file", metavar="FILE.py", help="A Python file with a domain.")
-def command(files: tuple[str, ...], domain_file: str | None) -> None:
+@click.option(
+    "--format",
+    "format_",
+    type=click.Choice(FORMATS),
+    default="full",
+    show_default=True,
+    help="How findings are printed.",
+)
+def command(files: tuple[str, ...], domain_file: str | None, format_: str) -> None:
     """Parse sketches, check names, types and rules.
 
     FILE is a path, the name of a built-in sketch, or - for standard input. Exit 0 if there
     are no errors, 1 if there are, 2 if a file cannot be read.
     """
+    unreadable = False
+    found: list[Diagnostic] = []
+    names: list[str] = []
     try:
         extra = domains_of_file(domain_file) if domain_file is not None else {}
-        loaded = [load_text(load_source(file), extra) for file in files]
     except LoadError as error:
         click.echo(f"error: {error}", err=True)
         raise SystemExit(2) from None
-    found: list[Diagnostic] = []
-    for one in loaded:
-        found.extend(one.diagnostics)
-        if one.ok:
-            found.extend(further_warnings(one))
-    console.show(found, [one.source.name for one in loaded])
+    for file in files:
+        try:
+            loaded = load_text(load_source(file), extra)
+        except LoadError as error:
+            click.echo(f"error: {error}", err=True)
+            unreadable = True
+            continue
+        names.append(loaded.source.name)
+        found.extend(loaded.diagnostics)
+        if loaded.ok:
+            found.extend(further_warnings(loaded))
+    if names:
+        sys.stdout.write(rendered(found, names, format_))
+    if unreadable:
+        raise SystemExit(2)
     if any(one.severity is Severity.ERROR for one in found):
         raise SystemExit(1)
+
+
+def rendered(found: list[Diagnostic], names: list[str], format_: str) -> str:
+    """The findings in one of `FORMATS`."""
+    match format_:
+        case "concise":
+            from sketchlang.render import concise
+
+            return concise.render(found)
+        case "json":
+            from sketchlang.render import as_json
+
+            return as_json.render(found)
+        case "github":
+            from sketchlang.render import github
+
+            return github.render(found)
+        case "sarif":
+            from sketchlang.render import sarif
+
+            return sarif.render(found)
+        case _:
+            from sketchlang.render import console
+
+            return console.render(found, names, console.wants_colour(sys.stdout))

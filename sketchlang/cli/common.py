@@ -5,7 +5,6 @@ from __future__ import annotations
 import functools
 import os
 import sys
-import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import NoReturn, ParamSpec, TypeVar
@@ -67,6 +66,8 @@ def load_valid(file: str, domain_file: str | None = None) -> Loaded:
 
 def write_file(path: str, text: str) -> None:
     """Writes a file as a whole or not at all: under another name first, then renamed."""
+    import tempfile
+
     target = Path(path)
     try:
         handle, temporary = tempfile.mkstemp(prefix=f".{target.name}.", dir=target.parent)

@@ -8,7 +8,8 @@ is was decided when the sketch was compiled.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections import Counter
+from collections.abc import Callable, Hashable, Iterable
 from typing import Any
 
 from sketchlang.check.typed import QUANTIFIERS, Node
@@ -29,8 +30,13 @@ class Layout:
         self.first_variable = 1
         self.first_feature = 1 + levels
         self.size = self.first_feature + features
-        self.remembered = {node: self.size + i for i, node in enumerate(_worth_remembering(roots))}
-        self.size += len(self.remembered)
+        self.remembered: dict[Node, int] = {}
+        places: dict[Hashable, int] = {}
+        for node in _worth_remembering(roots):
+            self.remembered[node] = places.setdefault(_shape(node), self.size + len(places))
+        self.size += len(places)
+        self.memories = sorted({self.remembered[node] for node in self.remembered if _key(node)})
+        """The places that hold a dictionary from the values of variables to results."""
 
     def variable(self, level: int) -> int:
         """The place of the variable of a level."""
@@ -54,11 +60,14 @@ class Compiler:
         """The closure of a node."""
         found = self.done.get(node)
         if found is None:
-            found = self._compile(node)
             place = self.layout.remembered.get(node)
-            if place is not None:
-                slots = [self.layout.variable(level) for level in sorted(node.free)]
-                found = _remember(found, place, slots)
+            if place is not None and _of_variables(node) and not self.careful:
+                found = seam.remembered(self._call(node), place)
+            if found is None:
+                found = self._compile(node)
+                if place is not None:
+                    slots = [self.layout.variable(level) for level in _key(node)]
+                    found = _remember(found, place, slots)
             self.done[node] = found
         return found
 
@@ -73,7 +82,9 @@ class Compiler:
             assert isinstance(value, int)
             return _at(self.layout.feature(value))
         if kind == "call":
-            return self._call(node)
+            call = self._call(node)
+            run = seam.compiled(call)
+            return seam.careful(run, call) if self.careful else run
         parts = [self.run(part) for part in node.parts]
         if kind in QUANTIFIERS:
             assert isinstance(value, int)
@@ -86,7 +97,7 @@ class Compiler:
             )
         return _operator(kind, parts)
 
-    def _call(self, node: Node) -> Run:
+    def _call(self, node: Node) -> seam.Call:
         function = node.value
         assert isinstance(function, Function)
         slots = tuple(
@@ -96,9 +107,7 @@ class Compiler:
             for part in node.parts
         )
         arguments = tuple(self.run(part) for part in node.parts)
-        call = seam.Call(function, arguments, slots, node.text, self.domain)
-        run = seam.compiled(call)
-        return seam.careful(run, call) if self.careful else run
+        return seam.Call(function, arguments, slots, node.text, self.domain)
 
 
 def _at(slot: int) -> Run:
@@ -121,8 +130,6 @@ def _remember(run: Run, place: int, slots: list[int]) -> Run:
 
         def of_one(frame: Frame) -> Any:
             memory = frame[place]
-            if memory is None:
-                memory = frame[place] = {}
             key = frame[slot]
             value = memory.get(key)
             if value is None:
@@ -133,8 +140,6 @@ def _remember(run: Run, place: int, slots: list[int]) -> Run:
 
     def of_many(frame: Frame) -> Any:
         memory = frame[place]
-        if memory is None:
-            memory = frame[place] = {}
         key = tuple([frame[slot] for slot in slots])
         value = memory.get(key)
         if value is None:
@@ -190,21 +195,34 @@ def _level(node: Node) -> Iterable[int]:
         yield node.value
 
 
+def _of_variables(node: Node) -> bool:
+    return node.kind == "call" and all(part.kind == "variable" for part in node.parts)
+
+
+def _shape(node: Node) -> Hashable:
+    """What shares one memory: calls of a function, whichever variables they are of."""
+    return node.value if _of_variables(node) else node
+
+
+def _key(node: Node) -> list[int]:
+    """The levels of the variables whose values an entry of the memory belongs to."""
+    if _of_variables(node):
+        return [level for part in node.parts for level in _level(part)]
+    return sorted(node.free)
+
+
 def _worth_remembering(roots: list[Node]) -> list[Node]:
     """Expressions with calls in them that more than one expression uses, or that a
     quantifier would compute for every element although they do not depend on it."""
     nodes = list(_all(roots))
-    uses: dict[Node, int] = {}
-    for root in roots:
-        uses[root] = uses.get(root, 0) + 1
+    uses = Counter(_shape(root) for root in roots)
     for node in nodes:
-        for part in node.parts:
-            uses[part] = uses.get(part, 0) + 1
+        uses.update(_shape(part) for part in node.parts)
     costly: set[Node] = set()
     for node in sorted(nodes, key=lambda node: node.height):
         if node.kind == "call" or any(part in costly for part in node.parts):
             costly.add(node)
-    remembered = {node: None for node in nodes if node in costly and uses[node] > 1}
+    remembered = {node: None for node in nodes if node in costly and uses[_shape(node)] > 1}
     for node in nodes:
         if node.kind not in QUANTIFIERS:
             continue

@@ -76,6 +76,35 @@ def _unary(call: Call, slot: int, truth: bool) -> Run:
     return run
 
 
+def remembered(call: Call, place: int) -> Run | None:
+    """The closure of a truth value or number of one variable with the memory built in, which
+    is a dictionary at `place`; None for other calls."""
+    result = call.function.result
+    if len(call.slots) != 1 or call.slots[0] is None or result not in (BOOL, NAT):
+        return None
+    slot = call.slots[0]
+    target, broken, raised = call.function.call, call.broken, call.raised
+    truth = result == BOOL
+
+    def run(frame: Frame) -> Any:
+        key = frame[slot]
+        value = frame[place].get(key)
+        if value is None:
+            try:
+                value = target(frame[0], key)
+            except Exception as error:
+                raise raised(frame, error) from error
+            if truth:
+                if value is not True and value is not False:
+                    raise broken(frame, _check_bool(value))
+            elif type(value) is not int or value < 0:
+                raise broken(frame, _check_nat(value))
+            frame[place][key] = value
+        return value
+
+    return run
+
+
 def _general(call: Call) -> Run:
     target, broken, raised = call.function.call, call.broken, call.raised
     arguments, check = call.arguments, check_for(call.function, call.domain)

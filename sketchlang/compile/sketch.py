@@ -110,10 +110,13 @@ def _evaluator(
     first = layout.first_feature
     end = first + len(model.features)
     invariants = model.invariants
+    memories = layout.memories
 
     def evaluate(state: Any) -> tuple[int, ...]:
         frame = empty.copy()
         frame[0] = state
+        for place in memories:
+            frame[place] = {}
         slot = first
         try:
             for slot, run in steps:

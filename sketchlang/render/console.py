@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import sys
 from collections.abc import Sequence
 
 from sketchlang.diagnostics import Diagnostic, Severity
@@ -30,9 +29,7 @@ def summary(diagnostics: Sequence[Diagnostic], files: Sequence[str]) -> str:
     return " and ".join(parts)
 
 
-def show(diagnostics: Sequence[Diagnostic], files: Sequence[str]) -> None:
-    """Print findings and a summary to standard output."""
-    colour = wants_colour(sys.stdout)
-    for found in diagnostics:
-        print(full.render(found, colour), end="\n\n")
-    print(summary(diagnostics, files))
+def render(diagnostics: Sequence[Diagnostic], files: Sequence[str], colour: bool) -> str:
+    """Findings and a summary, as `check` prints them."""
+    parts = [full.render(found, colour) + "\n\n" for found in diagnostics]
+    return "".join(parts) + summary(diagnostics, files) + "\n"

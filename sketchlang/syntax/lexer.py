@@ -12,13 +12,15 @@ UNCLOSED_STRING = "UNCLOSED_STRING"
 
 
 class Token(NamedTuple):
-    """One word or sign; `first` tells whether it is the first one on its line."""
+    """One word or sign; `first` tells whether it is the first one on its line, `flush`
+    whether there is not even space before it."""
 
     kind: str
     text: str
     start: int
     end: int
     first: bool
+    flush: bool = False
 
 
 class Comment(NamedTuple):
@@ -68,6 +70,7 @@ def tokenize(text: str) -> tuple[list[Token], list[Comment]]:
             start = tokens.pop().start
             word = text[start:end]
         assert kind is not None
-        tokens.append(Token(kind, word, start, end, first))
+        flush = first and (start == 0 or text[start - 1] == "\n")
+        tokens.append(Token(kind, word, start, end, first, flush))
         first = False
     return tokens, comments

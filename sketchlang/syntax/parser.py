@@ -116,8 +116,14 @@ def _recover(tokens: list[Token], items: list[Item], stuck: lalr.StuckError) -> 
         before = [other for other in tokens if other.end <= token.start]
         rest = tokens[len(before) :]
         return _parse_piece(before, items) + _parse_piece(rest, items)
+    mistakes = [explain(stuck)]
+    for number, other in enumerate(tokens):
+        # A word at the margin, further on: rather an item of its own than part of this one.
+        if number and other.flush and other.kind == "NAME" and other.start > token.start:
+            items.append(_broken(tokens[:number], Span(tokens[0].start, tokens[number - 1].end)))
+            return mistakes + _parse_piece(tokens[number:], items)
     items.append(_broken(tokens, Span(tokens[0].start, tokens[-1].end)))
-    return [explain(stuck)]
+    return mistakes
 
 
 def _broken(tokens: list[Token], span: Span) -> Broken:

@@ -88,9 +88,7 @@ def component_edges(edges: set[Edge]) -> list[set[Edge]]:
     for edge in edges:
         before, _, after = edge
         if before in reaches.get(after, ()):
-            group = frozenset(
-                v for v in reaches[before] if before in reaches.get(v, ())
-            )
+            group = frozenset(v for v in reaches[before] if before in reaches.get(v, ()))
             groups.setdefault(group, set()).add(edge)
     return list(groups.values())
 
@@ -122,9 +120,9 @@ def removable(model: SketchModel, component: set[Edge]) -> set[Edge]:
         if lowered and not with_effect(f, Effect.INC, Effect.ANY, Effect.NOT_DEC):
             return lowered
         raised = with_effect(f, Effect.INC)
-        if feature.bounded and raised:
-            if not with_effect(f, Effect.DEC, Effect.ANY, Effect.NOT_INC):
-                return raised
+        opposed = with_effect(f, Effect.DEC, Effect.ANY, Effect.NOT_INC)
+        if feature.bounded and raised and not opposed:
+            return raised
     return set()
 
 

@@ -1,0 +1,37 @@
+"""The scenes that come with the package, by name (`sorting/4t-07`) or path."""
+
+from __future__ import annotations
+
+import difflib
+from pathlib import Path
+
+from runtime.errors import InputError
+
+
+def _root() -> Path:
+    import domains
+
+    return Path(domains.__path__[0])
+
+
+def built_in_scenes() -> list[str]:
+    """Names of all scenes that come with the package."""
+    return sorted(f"{path.parent.parent.name}/{path.stem}" for path in _root().glob("*/scenes/*"))
+
+
+def find_scene(name: str) -> tuple[Path, str]:
+    """Path and display name of a scene given by name or by path.
+
+    Raises:
+        InputError: there is no such scene.
+    """
+    path = Path(name)
+    if path.is_file():
+        return path, name
+    folder, _, stem = name.partition("/")
+    known = built_in_scenes()
+    if name in known:
+        return next((_root() / folder / "scenes").glob(f"{stem}.*")), name
+    close = difflib.get_close_matches(name, known, 1)
+    hint = f"did you mean {close[0]!r}?" if close else f"built in: {', '.join(known)}"
+    raise InputError(f"there is no scene {name!r}, neither a file nor built in", hint=hint)

@@ -1,0 +1,232 @@
+"""Coverage as text for people, JSON for programs, and warnings of `check`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from itertools import combinations
+from typing import Any
+
+from sketchlang.analysis.bits import members
+from sketchlang.analysis.coverage import Coverage, Gap, Obstacle, Overlap, find_coverage
+from sketchlang.analysis.cubes import Cube, TooManyCubesError
+from sketchlang.analysis.report import Position
+from sketchlang.analysis.words import cube, listed, literal
+from sketchlang.diagnostics import Diagnostic, Label, Severity
+from sketchlang.model import NO_SPAN, Invariant, Kind, Literal, Or, Rule, SketchModel
+from sketchlang.source import Source
+
+MOST_GAPS = 20
+"""Gaps that are written out; JSON has them all."""
+
+MOST_WARNINGS = 3
+"""Gaps that `check` warns of one by one."""
+
+MOST_DROPPED = 3
+"""Conditions that a proposed invariant may do without."""
+
+CHECK_WORK = 200_000
+"""Steps of work that `check` is ready to spend: well under a tenth of a second."""
+
+
+def as_text(
+    model: SketchModel, found: Coverage, overlaps: list[Overlap] | None, position: Position
+) -> str:
+    """The findings, or that there are none."""
+    lines: list[str] = []
+    if found.gaps:
+        verb = "has" if found.uncovered == 1 else "have"
+        lines.append(
+            f"{model.name}: {found.uncovered:,} of {found.possible:,} valuations {verb} no rule."
+        )
+        for gap in found.gaps[:MOST_GAPS]:
+            lines += ["", f"  {cube(model, *gap.cube)}"]
+            lines += [f"    {_obstacle(model, o, position)}" for o in gap.obstacles]
+        if len(found.gaps) > MOST_GAPS:
+            more = len(found.gaps) - MOST_GAPS
+            lines += ["", f"  ... and {more:,} more groups; --json lists them all."]
+        lines += ["", "Write a rule for them. Or say that no state is like that, for instance:"]
+        lines.append(f"  {_invariant(model, found.gaps[0])}")
+    else:
+        lines.append(f"{model.name}: every valuation but the goal has a rule.")
+    for rule in found.dead:
+        place = position(model.rules[rule], None)
+        lines += ["", f"{place}: rule {model.rules[rule].name} can never be used."]
+    if overlaps is not None:
+        lines.append("")
+        lines += [_overlap(model, overlap) for overlap in overlaps]
+        if not overlaps:
+            lines.append("No two rules apply together.")
+    return "\n".join(lines)
+
+
+def as_json(
+    model: SketchModel, found: Coverage, overlaps: list[Overlap] | None, position: Position
+) -> dict[str, Any]:
+    """The findings; docs/termination.md lists the keys."""
+    result: dict[str, Any] = {
+        "sketch": model.name,
+        "covered": not found.gaps,
+        "valuations": found.possible,
+        "uncovered": found.uncovered,
+        "gaps": [
+            {
+                "valuations": _literals(model, gap.cube),
+                "text": cube(model, *gap.cube),
+                "obstacles": [
+                    {
+                        "rule": model.rules[obstacle.rule].name,
+                        "lowers": None
+                        if obstacle.lowered is None
+                        else model.features[obstacle.lowered].name,
+                        "text": _obstacle(model, obstacle, position),
+                    }
+                    for obstacle in gap.obstacles
+                ],
+            }
+            for gap in found.gaps
+        ],
+        "dead_rules": [model.rules[rule].name for rule in found.dead],
+    }
+    if overlaps is not None:
+        result["overlaps"] = [
+            {
+                "rules": [model.rules[o.first].name, model.rules[o.second].name],
+                "valuations": _literals(model, o.cube),
+            }
+            for o in overlaps
+        ]
+    return result
+
+
+def warnings(
+    model: SketchModel, source_of: Callable[[Rule], Source], start: Label
+) -> list[Diagnostic]:
+    """What `check` says of coverage. `start` is the place for what belongs to no rule."""
+    try:
+        found = find_coverage(model, CHECK_WORK)
+    except TooManyCubesError:
+        return []
+    shown = found.gaps[:MOST_WARNINGS]
+    result = [_gap_warning(model, gap, source_of, start) for gap in shown]
+    if len(found.gaps) > len(shown):
+        result[-1:] = [
+            Diagnostic(
+                "uncovered",
+                f"{found.uncovered:,} of {found.possible:,} valuations have no rule, "
+                f"{cube(model, *found.gaps[0].cube)} for one",
+                start,
+                hint="`sketchlang coverage` lists them.",
+                severity=Severity.WARNING,
+            )
+        ]
+        result = result[-1:]
+    for index in found.dead:
+        rule = model.rules[index]
+        result.append(
+            Diagnostic(
+                "unusable-rule",
+                f"rule {rule.name} can never be used",
+                Label(source_of(rule), rule.span),
+                hint="Goal, invariants or its own effects exclude every state it is meant for.",
+                severity=Severity.WARNING,
+            )
+        )
+    return result
+
+
+def _gap_warning(
+    model: SketchModel, gap: Gap, source_of: Callable[[Rule], Source], start: Label
+) -> Diagnostic:
+    primary, secondary = start, []
+    for obstacle in gap.obstacles:
+        rule = model.rules[obstacle.rule]
+        span = rule.span
+        if obstacle.lowered is not None and rule.effect_spans:
+            span = rule.effect_spans.get(obstacle.lowered, NO_SPAN)
+        secondary.append(Label(source_of(rule), span, _why_not(model, obstacle)))
+    if secondary:
+        primary = secondary.pop(0)
+    return Diagnostic(
+        "uncovered",
+        f"no rule for {cube(model, *gap.cube)}",
+        primary,
+        tuple(secondary),
+        hint=f"Write a rule, or `{_invariant(model, gap)}` if no state is like that.",
+        severity=Severity.WARNING,
+    )
+
+
+def _why_not(model: SketchModel, obstacle: Obstacle) -> str:
+    if obstacle.lowered is None:
+        return "leads only to what invariants exclude"
+    return f"cannot happen: {model.features[obstacle.lowered].name} = 0"
+
+
+def _obstacle(model: SketchModel, obstacle: Obstacle, position: Position) -> str:
+    rule = model.rules[obstacle.rule]
+    span = None
+    what = "its effects"
+    if obstacle.lowered is not None:
+        what = f"`{model.features[obstacle.lowered].name}--`"
+        span = (rule.effect_spans or {}).get(obstacle.lowered)
+    why = _why_not(model, obstacle)
+    if obstacle.lowered is None:
+        return f"{position(rule, span)}: {rule.name} applies, but {why}."
+    return f"{position(rule, span)}: {rule.name} applies, but {what} {why}."
+
+
+def _invariant(model: SketchModel, gap: Gap) -> str:
+    """An invariant that excludes a gap, in the language's own words.
+
+    It is the weakest one that leaves no other gap, if there is one: to forbid a valuation
+    may take the last rule from the valuations before it.
+    """
+    known, bits = gap.cube
+    features = list(members(known))
+    if not features:
+        return "invariant false"
+    last = next((o.lowered for o in gap.obstacles if o.lowered in features), features[-1])
+    assert last is not None
+    rest = tuple(f for f in features if f != last)
+    for dropped in range(min(len(rest), MOST_DROPPED) + 1):
+        for premise in combinations(rest, len(rest) - dropped):
+            parts = [Literal(f, not bits >> f & 1) for f in (*premise, last)]
+            formula = Or(tuple(parts)) if premise else parts[0]
+            invariants = (*model.invariants, Invariant(formula, ""))
+            try:
+                closed = not find_coverage(replace(model, invariants=invariants), CHECK_WORK).gaps
+            except TooManyCubesError:
+                closed = False
+            if closed:
+                return _implication(model, gap.cube, premise, last)
+    return _implication(model, gap.cube, rest, last)
+
+
+def _implication(model: SketchModel, where: Cube, premise: Sequence[int], last: int) -> str:
+    conclusion = _condition(model, last, not where.bits >> last & 1)
+    if not premise:
+        return f"invariant {conclusion}"
+    given = " and ".join(_condition(model, f, bool(where.bits >> f & 1)) for f in premise)
+    return f"invariant {given} -> {conclusion}"
+
+
+def _condition(model: SketchModel, feature: int, positive: bool) -> str:
+    text = literal(model, feature, positive)
+    return f"not {text[1:]}" if text.startswith("!") else text
+
+
+def _literals(model: SketchModel, where: Cube) -> dict[str, bool | str]:
+    """Feature names with true / false, or "> 0" / "= 0"."""
+    result: dict[str, bool | str] = {}
+    for feature in members(where.known):
+        positive = bool(where.bits >> feature & 1)
+        declared = model.features[feature]
+        numeric = "> 0" if positive else "= 0"
+        result[declared.name] = positive if declared.kind is Kind.BOOL else numeric
+    return result
+
+
+def _overlap(model: SketchModel, overlap: Overlap) -> str:
+    names = listed([model.rules[overlap.first].name, model.rules[overlap.second].name])
+    return f"{names} both apply, for instance at {cube(model, *overlap.cube)}."

@@ -1,0 +1,180 @@
+"""Three views of a sketch: groups of valuations, all valuations, and rules."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from sketchlang.analysis.bits import rule_bits, subsets
+from sketchlang.analysis.cubes import Cube, Work, fewest_cubes
+from sketchlang.analysis.graph.drawing import Arrow, Box, Drawing, Look
+from sketchlang.analysis.graph.removal import Removal
+from sketchlang.analysis.region import Outside
+from sketchlang.analysis.termination import NonTerminating, Terminating, Verdict
+from sketchlang.analysis.walk import Move
+from sketchlang.analysis.words import cube, effect
+from sketchlang.model import SketchModel
+
+MOST_FEATURES = 8
+"""Features up to which all valuations are listed to make a picture."""
+
+MOST_LINES = 3
+"""Cubes by which a group of valuations is described."""
+
+Edge = tuple[int, int, int]
+
+
+class TooLargeError(Exception):
+    """The sketch has too many features for this view."""
+
+
+class _PolicyGraph:
+    """The policy graph edge by edge, for sketches that are small enough."""
+
+    def __init__(self, model: SketchModel) -> None:
+        count = len(model.features)
+        if count > MOST_FEATURES:
+            raise TooLargeError(f"{count} features; up to {MOST_FEATURES} can be drawn")
+        self.model = model
+        self.count = count
+        everything = (1 << count) - 1
+        no_goal = Outside(SketchModel(model.name, model.features, (), None, model.invariants))
+        self.valuations = [v for v in range(1 << count) if not no_goal(everything, v)]
+        possible = set(self.valuations)
+        self.goals = {
+            v for v in self.valuations if model.is_goal(tuple(v >> f & 1 for f in range(count)))
+        }
+        self.edges: list[Edge] = []
+        for rule in rule_bits(model):
+            for before in self.valuations:
+                if before in self.goals or rule.dead or before & rule.needs != rule.wants:
+                    continue
+                base, free = rule.fan(before)
+                for chosen in subsets(free):
+                    if base | chosen in possible:
+                        self.edges.append((before, rule.index, base | chosen))
+
+
+def policy_view(model: SketchModel, verdict: Verdict) -> Drawing:
+    """A box for every valuation that an edge enters or leaves, and every gap."""
+    graph = _PolicyGraph(model)
+    removal, endless = _evidence(model, verdict)
+    sources = {before for before, _, _ in graph.edges}
+    targets = {after for _, _, after in graph.edges}
+    boxes = []
+    for v in graph.valuations:
+        if v in graph.goals and v not in targets:
+            continue
+        look = Look.GOAL if v in graph.goals else Look.PLAIN if v in sources else Look.GAP
+        boxes.append(Box(f"v{v}", (cube(model, (1 << graph.count) - 1, v)[1:-1],), look))
+    arrows = _arrows(model, graph.edges, {v: f"v{v}" for v in graph.valuations}, removal, endless)
+    return Drawing(
+        f"{model.name}: policy graph", tuple(boxes), arrows, _legend(boxes, arrows, removal)
+    )
+
+
+def group_view(model: SketchModel, verdict: Verdict) -> Drawing:
+    """A box for all valuations at which the same rules can be used."""
+    graph = _PolicyGraph(model)
+    removal, endless = _evidence(model, verdict)
+    usable: dict[int, set[int]] = {v: set() for v in graph.valuations}
+    for before, rule, _ in graph.edges:
+        usable[before].add(rule)
+    groups: dict[tuple[bool, tuple[int, ...]], list[int]] = {}
+    for v in graph.valuations:
+        groups.setdefault((v in graph.goals, tuple(sorted(usable[v]))), []).append(v)
+    boxes = []
+    key_of: dict[int, str] = {}
+    everything = (1 << graph.count) - 1
+    for number, ((goal, rules), members) in enumerate(sorted(groups.items())):
+        key = f"g{number}"
+        inside = set(members)
+        on = [Cube(everything, v) for v in members]
+        off = [Cube(everything, v) for v in graph.valuations if v not in inside]
+        cubes = fewest_cubes(on, off, Work(10_000_000))
+        lines = [cube(model, *c) for c in cubes[:MOST_LINES]]
+        if len(cubes) > MOST_LINES:
+            lines.append(f"and {len(cubes) - MOST_LINES} more")
+        look = Look.GOAL if goal else Look.PLAIN if rules else Look.GAP
+        lines.append("goal" if goal else "" if rules else "no rule")
+        boxes.append(Box(key, tuple(line for line in lines if line), look))
+        key_of.update(dict.fromkeys(members, key))
+    arrows = _arrows(model, graph.edges, key_of, removal, endless)
+    return Drawing(
+        f"{model.name}: valuations with the same rules",
+        tuple(boxes),
+        arrows,
+        _legend(boxes, arrows, removal),
+    )
+
+
+def rule_view(model: SketchModel, verdict: Verdict) -> Drawing:
+    """A box for every rule, an arrow to every rule that can be next."""
+    removal, endless = _evidence(model, verdict)
+    rules = [rule for rule in rule_bits(model) if not rule.dead]
+    boxes = [
+        Box(
+            f"r{rule.index}",
+            (
+                model.rules[rule.index].name,
+                ", ".join(
+                    effect(model, f, kind) for f, kind in model.rules[rule.index].effects.items()
+                ),
+            ),
+            step=removal.of_rule(rule.index),
+        )
+        for rule in rules
+    ]
+    following = {
+        (move.rule, after.rule)
+        for move, after in zip(endless, endless[1:] + endless[:1], strict=True)
+    }
+    arrows = []
+    for rule in rules:
+        afters = {f: {b for _, b in rule.pairs(f)} for f in range(len(model.features))}
+        for other in rules:
+            if all({b for b, _ in other.pairs(f)} & afters[f] for f in range(len(model.features))):
+                pair = (rule.index, other.index)
+                arrows.append(Arrow(f"r{pair[0]}", f"r{pair[1]}", "", None, pair in following))
+    return Drawing(
+        f"{model.name}: rules and what can follow",
+        tuple(boxes),
+        tuple(arrows),
+        _legend(boxes, arrows, removal),
+    )
+
+
+VIEWS = {"groups": group_view, "policy": policy_view, "rules": rule_view}
+
+
+def _legend(
+    boxes: Sequence[Box], arrows: Sequence[Arrow], removal: Removal
+) -> tuple[tuple[int, str], ...]:
+    return removal.shown([box.step for box in boxes] + [arrow.step for arrow in arrows])
+
+
+def _evidence(model: SketchModel, verdict: Verdict) -> tuple[Removal, tuple[Move, ...]]:
+    steps = verdict.steps if isinstance(verdict, Terminating | NonTerminating) else ()
+    walk = verdict.walk if isinstance(verdict, NonTerminating) else ()
+    return Removal(model, steps), walk
+
+
+def _arrows(
+    model: SketchModel,
+    edges: Iterable[Edge],
+    key_of: dict[int, str],
+    removal: Removal,
+    endless: tuple[Move, ...],
+) -> tuple[Arrow, ...]:
+    """One arrow for all edges between two boxes that are of one colour."""
+    cycle = {(move.before, move.rule, move.after) for move in endless}
+    merged: dict[tuple[str, str, int | None, bool], list[int]] = {}
+    for before, rule, after in edges:
+        bad = (before, rule, after) in cycle
+        step = None if bad else removal.of_edge(before, rule, after)
+        rules = merged.setdefault((key_of[before], key_of[after], step, bad), [])
+        if rule not in rules:
+            rules.append(rule)
+    return tuple(
+        Arrow(source, target, ", ".join(model.rules[rule].name for rule in rules), step, bad)
+        for (source, target, step, bad), rules in merged.items()
+    )

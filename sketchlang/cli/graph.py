@@ -1,0 +1,68 @@
+"""`sketchlang graph`: pictures of a sketch."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from sketchlang.cli.common import domain_option, fail, interruptible, load_valid, write_file
+
+SUFFIXES = {".svg": "svg", ".dot": "dot", ".gv": "dot", ".mmd": "mermaid", ".mermaid": "mermaid"}
+
+
+@click.command("graph")
+@click.argument("file", metavar="FILE")
+@click.option(
+    "--view",
+    type=click.Choice(["groups", "policy", "rules"]),
+    default="groups",
+    show_default=True,
+    help="Valuations with the same rules in one box; all valuations; or rules.",
+)
+@click.option(
+    "--format",
+    "format_",
+    type=click.Choice(["svg", "dot", "mermaid"]),
+    help="What to write [default: by the name of OUT, or dot]",
+)
+@click.option("-o", "--out", metavar="OUT", help="Write to a file, not to standard output.")
+@domain_option
+@interruptible
+def command(
+    *, file: str, view: str, format_: str | None, out: str | None, domain_file: str | None
+) -> None:
+    """Draw how a sketch works, and why it terminates or does not.
+
+    Arrows have the colour of the step of the proof that removes them; the legend says what
+    that step is. A run that never ends is drawn in red. Green is the goal, pale red are
+    valuations without a rule.
+
+    Exit 0 if the picture was written, 2 if the file cannot be read or has errors, or is too
+    large for the view.
+
+    \b
+    Examples:
+      sketchlang graph pick_and_place -o sketch.svg
+      sketchlang graph pick_and_place --view rules --format mermaid
+    """
+    model = load_valid(file, domain_file).checked.model
+    from sketchlang.analysis.graph import dot, mermaid, svg
+    from sketchlang.analysis.graph.views import VIEWS, TooLargeError
+    from sketchlang.analysis.termination import decide_termination
+
+    if format_ is None:
+        format_ = SUFFIXES.get(Path(out).suffix.lower()) if out else "dot"
+        if format_ is None:
+            fail(f"{out}: no format has this suffix; add --format svg, dot or mermaid")
+    verdict = decide_termination(model)
+    try:
+        drawing = VIEWS[view](model, verdict)
+    except TooLargeError as error:
+        fail(f"{model.name} has {error}; try --view rules")
+    writers = {"svg": svg.write, "dot": dot.write, "mermaid": mermaid.write}
+    text = writers[format_](drawing)
+    if out is None:
+        click.echo(text, nl=False)
+    else:
+        write_file(out, text)

@@ -1,0 +1,39 @@
+"""The prover against the textbook on random sketches, and its evidence against the rules."""
+
+from __future__ import annotations
+
+import pytest
+
+from sketchlang.analysis.certificate import certificate_of
+from sketchlang.analysis.termination import Terminating, decide_termination, endless_rules
+from sketchlang.analysis.verify import verify
+from tests.analysis.random_sketches import random_sketch
+from tests.analysis.reference import surviving_components
+from tests.analysis.replay import replay
+
+
+def agree(seeds: range) -> None:
+    found = {True: 0, False: 0}
+    for seed in seeds:
+        model = random_sketch(seed)
+        survivors = surviving_components(model)
+        verdict = decide_termination(model)
+        assert isinstance(verdict, Terminating) == (not survivors), seed
+        if isinstance(verdict, Terminating):
+            verify(certificate_of(model, verdict), model)
+        else:
+            replay(model, verdict)
+        endless = {rule for component in survivors for _, rule, _ in component}
+        assert endless_rules(model) == endless, seed
+        found[not survivors] += 1
+    # Both answers must be common, or the test says nothing.
+    assert min(found.values()) > len(seeds) / 5
+
+
+def test_verdicts_agree_with_textbook_sieve() -> None:
+    agree(range(700))
+
+
+@pytest.mark.slow
+def test_verdicts_agree_with_textbook_sieve_on_many() -> None:
+    agree(range(10_000, 15_000))

@@ -1,0 +1,227 @@
+"""Markdown files as tests of the language.
+
+A heading names a test; the fenced blocks below it are its files and what is expected:
+
+    ```sketch             a sketch (`main.sketch` without a name after the word)
+    ```sketch FILE        another one, for `include`
+    ```python FILE        a domain, given with --domain
+    ```output             all that `sketchlang check` prints for the sketch before it
+    ```format             the sketch before it, formatted
+    ```map                a delivery scene, and then
+    ```values             the features of the sketch in its initial state
+    ```transitions        `RULE: H=0 n=2 -> H=1 n=1: yes`, whether a rule is satisfied
+
+Without an output block a sketch has exactly the findings that comments of the form
+`# error: [code] "part of the message"` announce on their line, and none if there are no such
+comments. `python -m tests.spec.runner FILE...` rewrites the blocks that do not say what
+happens; read what it wrote before you believe it.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import sys
+import tempfile
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from sketchlang.compile import compile_sketch
+from sketchlang.domain import Domain
+from sketchlang.loader import Loaded, domains_of_file, load_source, load_text
+from sketchlang.render import console, full
+
+ROOT = Path(__file__).resolve().parents[2]
+_FENCE = re.compile(r"^```(\w+)(?: (\S+))?$")
+_EXPECTED = re.compile(r'#\s*(error|warning): \[([\w-]+)\](?: "(.*)")?\s*$')
+
+
+@dataclass
+class Block:
+    """A fenced block: its kind, name, text and the (0-based) line of its first line."""
+
+    kind: str
+    name: str
+    text: str
+    line: int
+
+
+@dataclass
+class Section:
+    """A heading with the blocks below it."""
+
+    title: str
+    line: int
+    prose: list[str] = field(default_factory=list)
+    blocks: list[Block] = field(default_factory=list)
+
+
+def sections(path: Path) -> Iterator[Section]:
+    """The sections of a Markdown file that have text or blocks below their heading."""
+    section: Section | None = None
+    lines = path.read_text(encoding="utf-8").splitlines()
+    number = 0
+    while number < len(lines):
+        line = lines[number]
+        fence = _FENCE.match(line)
+        if line.startswith("#"):
+            if section and (section.prose or section.blocks):
+                yield section
+            section = Section(line.lstrip("#").strip(" `"), number + 1)
+        elif fence and section:
+            end = lines.index("```", number)
+            text = "\n".join(lines[number + 1 : end]) + "\n"
+            section.blocks.append(Block(fence[1], fence[2] or "", text, number + 1))
+            number = end
+        elif line.strip() and section:
+            section.prose.append(line)
+        number += 1
+    if section and (section.prose or section.blocks):
+        yield section
+
+
+class MismatchError(AssertionError):
+    """A block that does not say what happens; `actual` would be right."""
+
+    def __init__(self, block: Block, actual: str) -> None:
+        super().__init__(f"line {block.line}: expected\n{block.text}\nbut got\n{actual}")
+        self.block = block
+        self.actual = actual
+
+
+def run(section: Section, directory: Path) -> None:
+    """Check every block of a section; `directory` is empty and the current one."""
+    extra: dict[str, Domain] = {}
+    loaded: Loaded | None = None
+    scene = ""
+    pending: Block | None = None
+    for block in section.blocks:
+        if block.kind == "sketch" and block.name:
+            (directory / block.name).write_text(block.text, encoding="utf-8")
+            continue
+        if block.kind != "output" and pending and loaded:
+            check_comments(loaded, pending)
+            pending = None
+        match block.kind:
+            case "sketch":
+                (directory / "main.sketch").write_text(block.text, encoding="utf-8")
+                loaded, pending = load_text(load_source("main.sketch"), extra), block
+            case "python":
+                (directory / block.name).write_text(block.text, encoding="utf-8")
+                extra = domains_of_file(block.name)
+            case "output":
+                assert loaded, "an output block needs a sketch before it"
+                _expect(block, output(loaded))
+                pending = None
+            case "format":
+                from sketchlang.syntax.formatter import format_source
+
+                assert loaded, "a format block needs a sketch before it"
+                _expect(block, format_source(loaded.source))
+            case "map":
+                scene = block.text
+            case "values":
+                assert loaded, "a values block needs a sketch before it"
+                _expect(block, values(loaded, scene))
+            case "transitions":
+                assert loaded, "a transitions block needs a sketch before it"
+                _expect(block, transitions(loaded, block.text))
+    if pending and loaded:
+        check_comments(loaded, pending)
+
+
+def _expect(block: Block, actual: str) -> None:
+    if block.text.rstrip() != actual.rstrip():
+        raise MismatchError(block, actual)
+
+
+def output(loaded: Loaded) -> str:
+    """What `sketchlang check` prints, with paths of this checkout made relative to it."""
+    parts = [full.render(found) + "\n" for found in loaded.diagnostics]
+    parts.append(console.summary(loaded.diagnostics, [loaded.source.name]))
+    text = "\n".join(parts).replace(f"{ROOT}/", "")
+    return "\n".join(line.rstrip() for line in text.splitlines()) + "\n"
+
+
+def check_comments(loaded: Loaded, block: Block) -> None:
+    """Compare findings with the comments that announce them."""
+    expected = []
+    for number, line in enumerate(loaded.source.text.splitlines(), 1):
+        for severity, code, text in _EXPECTED.findall(line):
+            expected.append((number, severity, code, text))
+    actual = []
+    for found in loaded.diagnostics:
+        row = found.primary.source.position(found.primary.span.start)[0]
+        actual.append((row, found.severity.value, found.code, found.message))
+    fits = len(expected) == len(actual) and all(
+        want[:3] == have[:3] and want[3] in have[3]
+        for want, have in zip(sorted(expected), sorted(actual), strict=True)
+    )
+    if not fits:
+        raise AssertionError(
+            f"line {block.line}: announced {expected}\nbut found {actual}\n{output(loaded)}"
+        )
+
+
+def values(loaded: Loaded, scene: str) -> str:
+    """The features of a delivery sketch in the initial state of a map."""
+    from domains.delivery.scene import of_map
+
+    sketch = compile_sketch(loaded.checked)
+    found = sketch.evaluate(of_map(scene).initial)
+    return "".join(
+        f"{feature.name} = {value}\n"
+        for feature, value in zip(sketch.model.features, found, strict=True)
+    )
+
+
+def transitions(loaded: Loaded, text: str) -> str:
+    """The lines of a transitions block with the right answers."""
+    model = loaded.checked.model
+    rules = {rule.name: rule for rule in model.rules}
+    names = [feature.name for feature in model.features]
+    answers = []
+    for line in text.splitlines():
+        name, change, _ = (part.strip() for part in line.split(":"))
+        before, after = (_vector(part, names) for part in change.split("->"))
+        answer = "yes" if rules[name].satisfied_by(before, after) else "no"
+        answers.append(f"{name}: {change}: {answer}\n")
+    return "".join(answers)
+
+
+def _vector(text: str, names: list[str]) -> tuple[int, ...]:
+    given = dict(part.split("=") for part in text.split())
+    assert list(given) == names, f"name all features, in order: {names}"
+    return tuple(map(int, given.values()))
+
+
+def run_in_empty_directory(section: Section) -> None:
+    """Check a section where none of its files are in the way."""
+    here = Path.cwd()
+    with tempfile.TemporaryDirectory() as directory:
+        os.chdir(directory)
+        try:
+            run(section, Path(directory))
+        finally:
+            os.chdir(here)
+
+
+def rewrite(path: Path) -> None:
+    """Put what really happens into a file, from its end to its beginning: line numbers before
+    a block that changes its length stay right."""
+    for section in reversed(list(sections(path))):
+        for _ in section.blocks:
+            try:
+                run_in_empty_directory(section)
+            except MismatchError as mismatch:
+                lines = path.read_text(encoding="utf-8").splitlines()
+                start = mismatch.block.line
+                lines[start : lines.index("```", start)] = mismatch.actual.rstrip().splitlines()
+                path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+                section = next(s for s in sections(path) if s.line == section.line)
+
+
+if __name__ == "__main__":
+    for name in sys.argv[1:]:
+        rewrite(Path(name))
