@@ -59,6 +59,11 @@ class DomainError(Exception):
     """A domain is declared in a way that sketches cannot use; the text says how to mend it."""
 
 
+class SceneError(Exception):
+    """What a scene loader raises for a file that is no scene of its domain; the text is for
+    the user and begins with the file's name."""
+
+
 @dataclass(frozen=True, slots=True)
 class Function:
     """A function of the domain as sketches see it; `call` takes the state first."""

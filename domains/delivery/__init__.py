@@ -74,7 +74,7 @@ def holding(state: State) -> Iterable[Hashable]:
 
 @domain.scenes
 def load(path: str | Path, _options: Mapping[str, object]) -> DeliveryProblem:
-    """The problem of a scene file; raises `ValueError` with what is wrong in it."""
+    """The problem of a scene file; raises `SceneError` with what is wrong in it."""
     from domains.delivery.scene import read
 
     return read(path)

@@ -9,8 +9,17 @@ from typing import NamedTuple
 Cell = tuple[int, int]
 """Column and row, both from 0."""
 
-Action = tuple[str, ...]
 _MOVES = {"east": (1, 0), "west": (-1, 0), "south": (0, 1), "north": (0, -1)}
+
+
+class Action(NamedTuple):
+    """`move DIRECTION`, `pick PACKAGE` or `drop PACKAGE`."""
+
+    name: str
+    argument: str
+
+    def __str__(self) -> str:
+        return f"{self.name} {self.argument}"
 
 
 class Package(NamedTuple):
@@ -74,15 +83,15 @@ class DeliveryProblem:
         """Move to a free neighbour; pick up a package here; drop the one that is carried."""
         grid, agent = state.grid, state.agent
         for name, cell in grid.neighbours(agent):
-            yield ("move", name), State(grid, cell, state.held, state.cells)
+            yield Action("move", name), State(grid, cell, state.held, state.cells)
         if state.held is not None:
             name = grid.packages[state.held].name
-            yield ("drop", name), State(grid, agent, None, _put(state.cells, state.held, agent))
+            yield Action("drop", name), State(grid, agent, None, _put(state.cells, state.held, agent))
             return
         for package in grid.packages:
             if state.cells[package.number] == agent:
                 cells = _put(state.cells, package.number, None)
-                yield ("pick", package.name), State(grid, agent, package.number, cells)
+                yield Action("pick", package.name), State(grid, agent, package.number, cells)
 
 
 def _put(cells: tuple[Cell | None, ...], number: int, cell: Cell | None) -> tuple[Cell | None, ...]:

@@ -15,28 +15,29 @@ import tomllib
 from pathlib import Path
 
 from domains.delivery.problem import Cell, DeliveryProblem, Grid, Package, State
+from sketchlang.domain import SceneError
 
 
 def read(path: str | Path) -> DeliveryProblem:
-    """The problem of a scene file; raises `ValueError` with what is wrong in it."""
+    """The problem of a scene file; raises `SceneError` with what is wrong in it."""
     try:
         values = tomllib.loads(Path(path).read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise ValueError(f"{path}: {error}") from error
+        raise SceneError(f"{path}: {error}") from error
     unknown = sorted(values.keys() - {"map", "summary"})
     if unknown:
-        raise ValueError(f"{path}: unknown key {unknown[0]!r} (known: map, summary)")
+        raise SceneError(f"{path}: unknown key {unknown[0]!r} (known: map, summary)")
     text = values.get("map")
     if not isinstance(text, str):
-        raise ValueError(f"{path}: `map` is missing or no text")
+        raise SceneError(f"{path}: `map` is missing or no text")
     try:
         return of_map(text)
     except ValueError as error:
-        raise ValueError(f"{path}: {error}") from None
+        raise SceneError(f"{path}: {error}") from None
 
 
 def of_map(text: str) -> DeliveryProblem:
-    """The problem that a map draws."""
+    """The problem that a map draws; raises `ValueError` with what is wrong in it."""
     free: set[Cell] = set()
     places: dict[str, Cell] = {}
     for row, line in enumerate(text.split("\n")):

@@ -175,6 +175,21 @@ def occupied(x, y, half, points, halves):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
+def occupied_sites(sites, half, points, halves, skip):  # type: ignore[no-untyped-def]
+    """`occupied` for sites (S, 2), the point with index `skip` left out: (S,) of bool."""
+    out = np.zeros(sites.shape[0], dtype=np.bool_)
+    for i in range(sites.shape[0]):
+        for j in range(points.shape[0]):
+            reach = half + halves[j]
+            dx = points[j, 0] - sites[i, 0]
+            dy = points[j, 1] - sites[i, 1]
+            if j != skip and dx * dx + dy * dy < reach * reach:
+                out[i] = True
+                break
+    return out
+
+
+@njit(cache=True)
 def nearest_static(x, y, statics, low, high):  # type: ignore[no-untyped-def]
     """Distance from a point to the nearest static box that reaches into heights low..high."""
     best = math.inf
@@ -182,3 +197,30 @@ def nearest_static(x, y, statics, low, high):  # type: ignore[no-untyped-def]
         if statics[w, 2] + statics[w, 5] > low and statics[w, 2] - statics[w, 5] < high:
             best = min(best, point_distance(statics[w], x, y))
     return best
+
+
+@njit(cache=True)
+def least_barred(counts, minus):  # type: ignore[no-untyped-def]
+    """Bits (S,) of the headings that fewest objects bar, over all sites; `minus` (S,) are
+    headings barred by an object to be left out of the counts (S, K)."""
+    best = np.int64(2 * UNREACHABLE)
+    for i in range(counts.shape[0]):
+        for k in range(HEADINGS):
+            best = min(best, counts[i, k] - ((minus[i] >> k) & 1))
+    out = np.zeros(counts.shape[0], dtype=np.int64)
+    for i in range(counts.shape[0]):
+        for k in range(HEADINGS):
+            if counts[i, k] - ((minus[i] >> k) & 1) == best:
+                out[i] |= 1 << k
+    return out
+
+
+@njit(cache=True)
+def leaves_open(headings, sites, grips, px, py, radius, strip):  # type: ignore[no-untyped-def]
+    """Whether something round at a point leaves one of the headings (S,) to sites (S, 2)."""
+    for i in range(sites.shape[0]):
+        if headings[i] and headings[i] & ~barred_headings(
+            sites[i, 0], sites[i, 1], grips[i], px, py, radius, strip
+        ):
+            return True
+    return False

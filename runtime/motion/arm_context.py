@@ -40,6 +40,6 @@ class ArmContext:
     def path_is_free(self, path: Floats, margin: float = FREE_MARGIN) -> bool:
         """Whether the polyline of configurations (p, n) is free, in between as well."""
         hit = arm.path_collides(
-            *self.robot.chain, *self.body, self.world, margin, self.robot.reach, path, 2 * margin
+            *self.robot.chain, *self.body, self.world, margin, self.robot.sweep, path
         )
         return bool(hit < 0)

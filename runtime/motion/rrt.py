@@ -16,7 +16,7 @@ same seed gives the same plan on every machine."""
 CHECK_RESOLUTION = 0.08
 RANGE = 1.2
 ATTEMPTS = 2
-SHORTCUTS = 40
+SHORTCUTS = 12
 
 
 def plan(context: ArmContext, start: Floats, goal: Floats, seed: int) -> Floats | None:
@@ -105,36 +105,32 @@ def _always(_: Any) -> bool:
 
 def shorten(context: ArmContext, path: Floats, rng: np.random.Generator) -> Floats:
     """Replace stretches of a path by straight lines where these are free."""
+    path = _skip_ahead(context, path)
     for _ in range(SHORTCUTS):
         if len(path) < 3:
             break
         lengths = np.linalg.norm(np.diff(path, axis=0), axis=1)
         marks = np.concatenate([[0.0], np.cumsum(lengths)])
         low, high = np.sort(rng.uniform(0.0, marks[-1], 2))
-        i = int(np.searchsorted(marks, low, side="right")) - 1
-        j = int(np.searchsorted(marks, high, side="right")) - 1
+        i, j = np.searchsorted(marks, [low, high], side="right") - 1
+        j = min(int(j), len(path) - 2)
         if i == j:
             continue
-        j = min(j, len(path) - 2)
         a = path[i] + (low - marks[i]) / max(lengths[i], 1e-12) * (path[i + 1] - path[i])
         b = path[j] + (high - marks[j]) / max(lengths[j], 1e-12) * (path[j + 1] - path[j])
         if context.path_is_free(np.array([a, b])):
             path = np.vstack([path[: i + 1], a, b, path[j + 1 :]])
-            keep = np.ones(len(path), dtype=bool)
-            keep[1:] = np.linalg.norm(np.diff(path, axis=0), axis=1) > 1e-9
-            keep[-1] = True
-            path = path[keep]
-    return _drop_needless(context, path)
+    return _skip_ahead(context, path)
 
 
-def _drop_needless(context: ArmContext, path: Floats) -> Floats:
-    """Leave out waypoints between which the straight line is free."""
+def _skip_ahead(context: ArmContext, path: Floats) -> Floats:
+    """Leave out way points: from each one go on to the last, else to half as far, and so on."""
     kept = [path[0]]
-    i = 0
-    while i < len(path) - 1:
-        j = len(path) - 1
+    i, last = 0, len(path) - 1
+    while i < last:
+        j = last
         while j > i + 1 and not context.path_is_free(np.array([path[i], path[j]])):
-            j -= 1
+            j = i + (j - i) // 2
         kept.append(path[j])
         i = j
     return np.array(kept)

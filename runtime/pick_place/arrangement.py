@@ -37,7 +37,9 @@ class Arrangement:
         for i, placement in enumerate(placements):
             if placement is not None:
                 self.xy[i] = placement.pose[:2]
+        self.misplaced: dict[Grasp | None, frozenset[int]] = {}
         self._alpha: dict[tuple[int, Grasp | None], int] = {}
+        self._open: dict[int, tuple[Floats, Floats]] = {}
         self._places: dict[tuple[object, ...], tuple[Floats, Floats]] = {}
 
     @cached_property
@@ -115,7 +117,9 @@ class Arrangement:
         pick = swept.residue_minima(
             self.pick_counts[index : index + 1], none, plus_pick, modulus
         )
-        turn = 0 if goal.yaw is None else round((goal.yaw - placement_now.pose[2]) / STEP)
+        if goal.yaw is None:
+            return int(pick[0] + place[0])
+        turn = round((goal.yaw - placement_now.pose[2]) / STEP)
         return int((pick + np.roll(place, -turn % modulus)).min())
 
     def in_the_way(self, index: int, goal: GoalSites) -> list[int]:
@@ -137,14 +141,37 @@ class Arrangement:
 
         The object itself must be away in this arrangement.
         """
-        count = 0
-        for other in misplaced:
-            if other == index or self.placements[other] is None:
-                continue
-            goal = self.task.goal_sites(other, self)
-            if goal is None:
-                continue
+        return sum(
+            self._is_disturbed(other, index, placement)
+            for other in misplaced
+            if other != index and self.placements[other] is not None
+        )
+
+    def _is_disturbed(self, other: int, index: int, placement: Placement) -> bool:
+        """Whether alpha of `other` rises with object `index` at a placement."""
+        goal = self.task.goal_sites(other, self)
+        if goal is None:
+            return False
+        if goal.modulus > 1:
             before = self.obstructions(other, goal)
-            if self._obstructions(other, goal, None, (index, placement)) > before:
-                count += 1
-        return count
+            return self._obstructions(other, goal, None, (index, placement)) > before
+        # Pick and place do not depend on each other: alpha rises if one of them loses its
+        # last least barred heading.
+        if other not in self._open:
+            none = np.zeros(1, dtype=np.int64)
+            barred, counts = self.place_counts(goal)
+            self._open[other] = (
+                swept.least_barred(self.pick_counts[other : other + 1], none),
+                swept.least_barred(counts, barred[:, other]),
+            )
+        task = self.task
+        x, y, _ = placement.pose
+        pick, place = self._open[other]
+        sites = (
+            (pick, self.xy[other : other + 1], task.grips[other : other + 1]),
+            (place, goal.xy, np.full(len(goal.xy), task.grips.max())),
+        )
+        return not all(
+            swept.leaves_open(headings, xy, grips, x, y, task.radii[index], task.strip)
+            for headings, xy, grips in sites
+        )

@@ -120,13 +120,15 @@ class Executor:
     def _roads_for(self, state: State) -> BaseRoads:
         """Roads among everything that stands; those of the static scene where no standing
         object narrows them, which is the rule: tables keep the base further away."""
+        key = (state.placements, state.grasp)
+        if key not in self._roads:
+            self._roads[key] = self._new_roads(state)
+        return self._roads[key]
+
+    def _new_roads(self, state: State) -> BaseRoads:
         task = self.task
         body = self._carried(state)
-        if body is None:
-            rings = task.footprint
-        else:
-            rings = footprint(task.robot, body)
-        key = rings.rings.tobytes()
+        rings = task.footprint if body is None else footprint(task.robot, body)
         rows = task.world_rows(state)
         clearance = rings.clearances(rows)
         fixed = len(task.statics)
@@ -135,11 +137,10 @@ class Executor:
             for i in range(fixed, len(rows))
             if clearance[i] > 0 and not _dominated(rows[i], clearance[i], rows[:fixed], clearance)
         ]
+        if not narrow and np.array_equal(clearance[:fixed], task.clearance):
+            return task.roads
         chosen = np.r_[np.arange(fixed), np.array(narrow, dtype=int)]
-        full_key = (key, rows[narrow].tobytes())
-        if full_key not in self._roads:
-            self._roads[full_key] = BaseRoads(rows[chosen], clearance[chosen])
-        return self._roads[full_key]
+        return BaseRoads(rows[chosen], clearance[chosen])
 
     def _carried(self, state: State) -> Body | None:
         """The robot's boxes with the object that it carries, or None where it carries none."""

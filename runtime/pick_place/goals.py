@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -52,10 +53,11 @@ class GoalSites:
             return False
         return self.yaw is None or turn_error(yaw - self.yaw, self.symmetry) < 0.05
 
-    def placements(self) -> list[Placement]:
+    @cached_property
+    def placements(self) -> tuple[Placement, ...]:
         """One placement a site."""
         yaw = self.yaw or 0.0
-        return [Placement.of(x, y, yaw, self.surface) for x, y in self.xy]
+        return tuple(Placement.of(x, y, yaw, self.surface) for x, y in self.xy)
 
 
 def turn_error(angle: float, symmetry: int) -> float:

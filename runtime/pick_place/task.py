@@ -141,17 +141,23 @@ class Task:
     def misplaced(self, state: State) -> frozenset[int]:
         """Objects that stand outside their goal, or are held and their goal is blocked."""
         arrangement = self.arrangement(state.placements)
-        found = []
-        for index, placement in enumerate(state.placements):
-            goal = self.goal_sites(index, arrangement)
-            if goal is None:
-                continue
-            if placement is not None:
-                if not goal.holds(placement):
-                    found.append(index)
-            elif arrangement.obstructions(index, goal, state.grasp) > 0:
-                found.append(index)
-        return frozenset(found)
+        known = arrangement.misplaced.get(state.grasp)
+        if known is None:
+            known = arrangement.misplaced[state.grasp] = frozenset(
+                index
+                for index in range(len(state.placements))
+                if self._is_misplaced(state, index, arrangement)
+            )
+        return known
+
+    def _is_misplaced(self, state: State, index: int, arrangement: Arrangement) -> bool:
+        goal = self.goal_sites(index, arrangement)
+        if goal is None:
+            return False
+        placement = state.placements[index]
+        if placement is None:
+            return arrangement.obstructions(index, goal, state.grasp) > 0
+        return not goal.holds(placement)
 
     def obstructions(self, state: State, index: int) -> int:
         """alpha of an object: fewest objects in the way of picking it up and of putting it
@@ -169,12 +175,13 @@ class Task:
         goal = self.goal_sites(index, arrangement)
         if goal is None:
             return ()
-        others = np.arange(len(state.placements)) != index
-        points, radii = arrangement.xy[others], self.radii[others]
+        taken = swept.occupied_sites(
+            goal.xy, self.radii[index], arrangement.xy, self.radii, index
+        )
         return tuple(
             placement
-            for placement, (x, y) in zip(goal.placements(), goal.xy, strict=True)
-            if not swept.occupied(x, y, self.radii[index], points, radii)
+            for placement, occupied in zip(goal.placements, taken, strict=True)
+            if not occupied
         )
 
     def disturbed_by(self, state: State, index: int, placement: Placement) -> int:
@@ -190,7 +197,7 @@ class Task:
         misplaced = self.misplaced(state)
         without = self._without(state, index)
         fewest = len(misplaced)
-        for placement in self.goal_placements(state, index) or goal.placements():
+        for placement in self.goal_placements(state, index) or goal.placements:
             fewest = min(fewest, without.disturbed_by(index, placement, misplaced))
             if fewest == 0:
                 break

@@ -33,6 +33,10 @@ class Body(NamedTuple):
     pairs: Ints  # (k, 2)
 
 
+HELD_EXTENT = 0.3
+"""Metres from the tool frame to the farthest corner of a held object, at most."""
+
+
 @dataclass(frozen=True)
 class PlacedBox:
     """A collision box, the frame it moves with and the link it belongs to."""
@@ -160,17 +164,31 @@ class RobotModel:
         return pose
 
     @cached_property
-    def reach(self) -> Floats:
-        """How far any point of the robot, a held object included, moves at most for one
-        unit (rad, m) of each planning joint, shape (n,)."""
-        held = 0.3  # metres beyond the tool frame: a held object's farthest corner
+    def sweep(self) -> Floats:
+        """How far any point of a frame's boxes, a held object included, moves at most for
+        one unit (rad, m) of each planning joint, shape (n + 1, n); 0 for joints further out."""
+        n = len(self.joints)
         lengths = np.linalg.norm(self.chain.origins[:, :, 3], axis=1)
-        tail = float(np.linalg.norm(self.tool[:, 3])) + held
-        # Distance from a joint to the far end is at most the lengths of what follows it,
-        # a prismatic joint at its full extension.
-        extension = np.where(self.chain.prismatic, np.maximum(abs(self.lower), self.upper), 0.0)
-        beyond = np.cumsum((lengths + extension)[::-1])[::-1] - lengths
-        return np.where(self.chain.prismatic, 1.0, beyond + tail)
+        travel = np.maximum(np.abs(self.lower), np.abs(self.upper))
+        extension = np.where(self.chain.prismatic, travel, 0.0)
+        out = np.zeros((n + 1, n))
+        for frame in range(1, n + 1):
+            corners = [
+                float(np.linalg.norm(placed.box.pose[:, 3]) + np.linalg.norm(placed.box.half))
+                for placed in self.boxes
+                if placed.frame == frame
+            ]
+            extent = max(corners, default=0.0)
+            if frame == n:
+                extent = max(extent, float(np.linalg.norm(self.tool[:, 3])) + HELD_EXTENT)
+            for joint in range(frame):
+                if self.chain.prismatic[joint]:
+                    out[frame, joint] = 1.0
+                else:
+                    # From the joint along the chain to the frame, and on to its corners.
+                    between = slice(joint + 1, frame)
+                    out[frame, joint] = extent + float((lengths + extension)[between].sum())
+        return out
 
     def frames(self, q: Floats) -> Floats:
         """Poses (n + 1, 3, 4) of all frames in the base frame."""

@@ -10,8 +10,7 @@ from typing import Any
 from sketchlang.analysis.bits import members
 from sketchlang.analysis.coverage import Coverage, Gap, Obstacle, Overlap, find_coverage
 from sketchlang.analysis.cubes import Cube, TooManyCubesError
-from sketchlang.analysis.report import Position
-from sketchlang.analysis.words import cube, listed, literal
+from sketchlang.analysis.words import Position, cube, listed, literal
 from sketchlang.diagnostics import Diagnostic, Label, Severity
 from sketchlang.model import NO_SPAN, Invariant, Kind, Literal, Or, Rule, SketchModel
 from sketchlang.source import Source
@@ -45,6 +44,8 @@ def as_text(
         if len(found.gaps) > MOST_GAPS:
             more = len(found.gaps) - MOST_GAPS
             lines += ["", f"  ... and {more:,} more groups; --json lists them all."]
+        if model.goal is None:
+            lines += ["", "The sketch has no goal: some of these may be where it should end."]
         lines += ["", "Write a rule for them. Or say that no state is like that, for instance:"]
         lines.append(f"  {_invariant(model, found.gaps[0])}")
     else:
@@ -107,20 +108,21 @@ def warnings(
         found = find_coverage(model, CHECK_WORK)
     except TooManyCubesError:
         return []
-    shown = found.gaps[:MOST_WARNINGS]
+    # Without a goal every run ends where no rule is left: that is no news.
+    gaps = found.gaps if model.goal is not None else ()
+    shown = gaps[:MOST_WARNINGS]
     result = [_gap_warning(model, gap, source_of, start) for gap in shown]
-    if len(found.gaps) > len(shown):
-        result[-1:] = [
+    if len(gaps) > len(shown):
+        result = [
             Diagnostic(
                 "uncovered",
                 f"{found.uncovered:,} of {found.possible:,} valuations have no rule, "
-                f"{cube(model, *found.gaps[0].cube)} for one",
+                f"{cube(model, *gaps[0].cube)} for one",
                 start,
                 hint="`sketchlang coverage` lists them.",
                 severity=Severity.WARNING,
             )
         ]
-        result = result[-1:]
     for index in found.dead:
         rule = model.rules[index]
         result.append(

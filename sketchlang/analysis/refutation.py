@@ -9,7 +9,7 @@ from sketchlang.analysis.bits import LOWERS, RAISES
 from sketchlang.analysis.limits import Budget
 from sketchlang.analysis.termination import NonTerminating, Terminating, decide_termination
 from sketchlang.analysis.words import effect, literal
-from sketchlang.model import Effect, Kind, Rule, SketchModel
+from sketchlang.model import Effect, Kind, SketchModel
 from sketchlang.source import Span
 
 RECHECK_SECONDS = 0.5
@@ -37,7 +37,7 @@ class CycleStep:
 
 @dataclass(frozen=True, slots=True)
 class Edit:
-    """An effect to write in place of another (None: the rule does not name the feature)."""
+    """An effect to write in place of another; None: the rule must not make this change at all."""
 
     rule: int
     feature: int
@@ -141,11 +141,13 @@ def _by_booleans(model: SketchModel, used: Sequence[int]) -> list[Remedy]:
         clearers = [rule for rule, e in effects.items() if e in (Effect.CLEAR, Effect.ANY)]
         if not setters or not clearers:
             continue
-        for rules, value in ((setters, False), (clearers, True)):
-            edits = tuple(_edit(model, rule, feature, None) for rule in rules)
+        for makers, undoers, value in ((setters, clearers, True), (clearers, setters, False)):
+            edits = tuple(_edit(model, rule, feature, None) for rule in undoers)
+            names = " and ".join(model.rules[rule].name for rule in makers)
             done = literal(model, feature, value)
-            reason = f"nothing may undo {done}"
-            remedies.append(Remedy(reason, edits, None, None))
+            remedies.append(
+                Remedy(f"{names} gives {done} and nothing must undo it", edits, None, None)
+            )
     return remedies
 
 
@@ -158,7 +160,13 @@ def _suffices(model: SketchModel, remedy: Remedy, budget: Budget) -> bool | None
     """Whether the sketch with the remedy in place is proved to terminate."""
     rules = list(model.rules)
     for edit in remedy.edits:
-        rules[edit.rule] = _with_effect(rules[edit.rule], edit.feature, edit.effect)
+        if edit.effect is not None:
+            changed_rule = rules[edit.rule]
+            effects = {**changed_rule.effects, edit.feature: edit.effect}
+            rules[edit.rule] = replace(changed_rule, effects=effects)
+    # A rule that only loses a change could still fire, and for ever: it has to go.
+    gone = {edit.rule for edit in remedy.edits if edit.effect is None}
+    rules = [rule for index, rule in enumerate(rules) if index not in gone]
     features = list(model.features)
     if remedy.bound is not None:
         features[remedy.bound] = replace(features[remedy.bound], bounded=True)
@@ -167,10 +175,3 @@ def _suffices(model: SketchModel, remedy: Remedy, budget: Budget) -> bool | None
     if isinstance(verdict, Terminating):
         return True
     return False if isinstance(verdict, NonTerminating) else None
-
-
-def _with_effect(rule: Rule, feature: int, instead: Effect | None) -> Rule:
-    effects = {f: e for f, e in rule.effects.items() if f != feature}
-    if instead is not None:
-        effects[feature] = instead
-    return replace(rule, effects=effects)

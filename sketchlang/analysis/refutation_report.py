@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from sketchlang.analysis.refutation import Change, Edit, Refutation, Remedy, refutation
-from sketchlang.analysis.report import Position
 from sketchlang.analysis.termination import NonTerminating, endless_rules
-from sketchlang.analysis.words import cube, effect, listed, rule_names
+from sketchlang.analysis.words import Position, cube, effect, listed, rule_names
 from sketchlang.model import Kind, SketchModel
 
 MOST_STEPS = 40
@@ -101,7 +100,7 @@ def _edit(model: SketchModel, edit: Edit, position: Position) -> str:
     written = effect(model, edit.feature, rule.effects[edit.feature])
     place = position(rule, edit.span)
     if edit.effect is None:
-        return f"{place}: {rule.name} without `{written}`"
+        return f"{place}: leave out {rule.name}, which has `{written}`"
     return (
         f"{place}: {rule.name} with `{effect(model, edit.feature, edit.effect)}`, not `{written}`"
     )

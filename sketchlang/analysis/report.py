@@ -6,17 +6,13 @@ its kind: to be quick about it is part of the command.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 from sketchlang.analysis.termination import NonTerminating, Terminating, Undecided, Verdict
-from sketchlang.model import Rule, SketchModel
-from sketchlang.source import Span
+from sketchlang.analysis.words import Position
+from sketchlang.model import SketchModel
 
 WIDTH = 100
-
-Position = Callable[[Rule, Span | None], str]
-"""Says where a rule, or a part of it, was written."""
 
 
 def as_text(model: SketchModel, verdict: Verdict, position: Position) -> str:

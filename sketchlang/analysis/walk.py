@@ -49,7 +49,17 @@ class Piece:
 
 
 def propose(piece: Piece, bounded: int, budget: Budget) -> list[Move]:
-    """A closed walk through a stuck component that undoes every strict change it makes."""
+    """A closed walk through a stuck component that undoes every strict change it makes.
+
+    Preferably one that lowers again what it raises, even where no bound asks for that.
+    """
+    rises = 0
+    for rule in piece.rules:
+        rises |= rule.rises
+    if rises & ~bounded:
+        inner = _stuck_inside(piece, bounded | rises, budget)
+        if inner is not None:
+            piece, bounded = inner, bounded | rises
     piece = _with_fewer_rules(piece, bounded, budget)
     graph = PieceGraph(piece.cells, piece.tracked, piece.rules, budget)
     wanted = [piece.rules[0]]

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 from sketchlang.analysis.bits import members
-from sketchlang.model import Effect, Kind, SketchModel
+from sketchlang.model import Effect, Kind, Rule, SketchModel
+from sketchlang.source import Span
+
+Position = Callable[[Rule, Span | None], str]
+"""Says where a rule, or a part of it, was written: `file:line:column`."""
 
 _SIGNS = {
     Effect.SET: "{}",

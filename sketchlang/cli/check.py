@@ -12,9 +12,12 @@ from sketchlang.loader import Loaded, LoadError, domains_of_file, load_source, l
 FORMATS = ("full", "concise", "json", "github", "sarif")
 
 
-def further_warnings(_loaded: Loaded) -> list[Diagnostic]:
+def further_warnings(loaded: Loaded) -> list[Diagnostic]:
     """Findings of analyses that only make sense for a sketch without errors."""
-    return []
+    from sketchlang.analysis.coverage_report import warnings
+    from sketchlang.cli.common import Places, title
+
+    return warnings(loaded.checked.model, Places(loaded).source, title(loaded))
 
 
 @click.command("check")

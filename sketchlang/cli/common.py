@@ -11,6 +11,7 @@ from typing import NoReturn, ParamSpec, TypeVar
 
 import click
 
+from sketchlang.diagnostics import Label
 from sketchlang.loader import Loaded, LoadError, load_sketch
 from sketchlang.model import Rule
 from sketchlang.source import Source, Span
@@ -116,3 +117,11 @@ class Places:
         source = self.source(rule)
         line, column = source.position((span or rule.span).start)
         return f"{source.name}:{line}:{column}"
+
+
+def title(loaded: Loaded) -> Label:
+    """The sketch's name where it is declared: the place of what belongs to no item."""
+    for item in loaded.tree.items:
+        if isinstance(item, tree.Title):
+            return Label(loaded.source, item.name.span)
+    return Label(loaded.source, Span(0, 0))

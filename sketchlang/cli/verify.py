@@ -5,11 +5,11 @@ from __future__ import annotations
 import json
 import sys
 from pathlib import Path
-from typing import Any
 
 import click
 
 from sketchlang.cli.common import domain_option, fail, interruptible, load_valid
+from sketchlang.model import SketchModel
 
 
 @click.command("verify")
@@ -32,17 +32,12 @@ def command(*, certificate: str, file: str, as_json: bool, domain_file: str | No
       sketchlang terminate my.sketch --certificate my.proof.json
       sketchlang verify my.proof.json my.sketch
     """
-    content = _read(certificate)
-    model = load_valid(file, domain_file).checked.model
-    from sketchlang.analysis.verify import RefusedError, verify
-
-    reason = None
     try:
-        verify(content, model)
-    except RefusedError as refused:
-        reason = str(refused)
-    except RecursionError:
-        reason = "its steps are nested too deeply"
+        data = Path(certificate).read_bytes()
+    except OSError as error:
+        fail(f"{certificate}: {error.strerror or error}")
+    model = load_valid(file, domain_file).checked.model
+    reason = _reason(data, model)
     if as_json:
         found = {"valid": reason is None, "sketch": model.name, "reason": reason}
         click.echo(json.dumps(found, indent=2, ensure_ascii=False))
@@ -53,14 +48,18 @@ def command(*, certificate: str, file: str, as_json: bool, domain_file: str | No
     sys.exit(0 if reason is None else 1)
 
 
-def _read(path: str) -> Any:
+def _reason(data: bytes, model: SketchModel) -> str | None:
+    """Why a certificate is refused, None if it is valid."""
+    from sketchlang.analysis.verify import RefusedError, verify
+
     try:
-        return json.loads(Path(path).read_text(encoding="utf-8"))
-    except OSError as error:
-        fail(f"{path}: {error.strerror or error}")
+        verify(json.loads(data.decode("utf-8")), model)
+    except RefusedError as refused:
+        return str(refused)
     except UnicodeDecodeError:
-        fail(f"{path}: not a text in UTF-8")
+        return "it is not a text in UTF-8"
     except json.JSONDecodeError as error:
-        fail(f"{path}:{error.lineno}:{error.colno}: not JSON: {error.msg}")
+        return f"it is not JSON, see line {error.lineno}, column {error.colno}: {error.msg}"
     except RecursionError:
-        fail(f"{path}: not a certificate: nested too deeply")
+        return "it is nested too deeply"
+    return None

@@ -82,7 +82,7 @@ def lay_out(
     rows: list[list[Item]] = [[] for _ in range(max((item.row for item in items), default=0) + 1)]
     for item in items:
         rows[item.row].append(item)
-    rows = _ordered(rows)
+    rows = _ordered([row for row in rows if row])
     height = _give_y(rows)
     width = _give_x(rows)
     return Layout(boxes, chains, width, height)

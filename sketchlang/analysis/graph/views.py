@@ -111,19 +111,12 @@ def rule_view(model: SketchModel, verdict: Verdict) -> Drawing:
     """A box for every rule, an arrow to every rule that can be next."""
     removal, endless = _evidence(model, verdict)
     rules = [rule for rule in rule_bits(model) if not rule.dead]
-    boxes = [
-        Box(
-            f"r{rule.index}",
-            (
-                model.rules[rule.index].name,
-                ", ".join(
-                    effect(model, f, kind) for f, kind in model.rules[rule.index].effects.items()
-                ),
-            ),
-            step=removal.of_rule(rule.index),
-        )
-        for rule in rules
-    ]
+    boxes = []
+    for rule in rules:
+        named = model.rules[rule.index]
+        effects = ", ".join(effect(model, f, kind) for f, kind in named.effects.items())
+        lines = (named.name, effects) if effects else (named.name,)
+        boxes.append(Box(f"r{rule.index}", lines, step=removal.of_rule(rule.index)))
     following = {
         (move.rule, after.rule)
         for move, after in zip(endless, endless[1:] + endless[:1], strict=True)

@@ -1,0 +1,78 @@
+"""`sketchlang new domain`: a working domain to start from."""
+
+from __future__ import annotations
+
+import keyword
+import re
+from importlib.resources import files
+from pathlib import Path
+
+import click
+
+from sketchlang.domain import WORDS
+from sketchlang.loader import domain_names
+
+FILES = {
+    "{name}.py": "domain.py.txt",
+    "{name}.sketch": "sketch.txt",
+    "scenes/small.toml": "scene.toml.txt",
+    "test_{name}.py": "test.py.txt",
+    "README.md": "readme.txt",
+    "pyproject.toml": "pyproject.txt",
+}
+
+
+@click.group("new")
+def command() -> None:
+    """Write files to start from."""
+
+
+@command.command("domain")
+@click.argument("name")
+@click.option(
+    "--into",
+    type=click.Path(file_okay=False, path_type=Path),
+    help="The folder to write to; it must not exist yet.  [default: NAME]",
+)
+def domain(name: str, into: Path | None) -> None:
+    """Write a working domain: typed functions, a sketch, a scene, a test and a README.
+
+    Exit 0, or 2 if NAME cannot be the name of a domain or the folder exists.
+    """
+    problem = _why_not(name)
+    folder = into or Path(name)
+    if problem is None and folder.exists():
+        problem = f"{folder} exists already"
+    if problem is not None:
+        click.echo(f"error: {problem}", err=True)
+        raise SystemExit(2)
+    try:
+        for target, template in FILES.items():
+            path = folder / target.format(name=name)
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(_filled(template, name), encoding="utf-8")
+    except OSError as error:
+        click.echo(f"error: {error}", err=True)
+        raise SystemExit(2) from None
+    click.echo(f"wrote {folder}/: " + ", ".join(f.format(name=name) for f in FILES))
+    click.echo("try:")
+    files_ = f"{folder / name}.sketch --domain {folder / name}.py"
+    click.echo(f"  sketchlang check {files_}")
+    scene = folder / "scenes" / "small.toml"
+    click.echo(f"  sketchlang run {folder / name}.sketch {scene} --domain {folder / name}.py")
+
+
+def _why_not(name: str) -> str | None:
+    """What is wrong with a name, or None."""
+    if not re.fullmatch(r"[a-z][a-z0-9_]*", name):
+        return f"{name!r} is no name for a domain: use small letters, digits and _"
+    if name in WORDS or keyword.iskeyword(name) or name == "sketchlang":
+        return f"{name!r} is a reserved word"
+    if name in domain_names():
+        return f"there is a domain {name!r} already"
+    return None
+
+
+def _filled(template: str, name: str) -> str:
+    text = files("sketchlang.template").joinpath(template).read_text(encoding="utf-8")
+    return re.sub(r"\bNAME\b|(?<=_)NAME\b", name, text)

@@ -1,0 +1,156 @@
+"""The commands of the language: what they print and how they exit."""
+
+from __future__ import annotations
+
+import io
+import sys
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner, Result
+
+from sketchlang.cli import cli
+
+GOOD = "sketch s\nfeature n : nat\ngoal { n = 0 }\nrule r { n > 0 } -> { n-- }\n"
+UGLY = "sketch   s\n\n\nfeature n:nat # the number\ngoal{n=0}\nrule r{n>0}↦{n↓}"
+NEAT = "sketch s\n\nfeature n : nat  # the number\ngoal { n = 0 }\nrule r { n > 0 } -> { n-- }\n"
+
+
+def run(*arguments: str, stdin: str | bytes | None = None) -> Result:
+    return CliRunner().invoke(cli, list(arguments), input=stdin)
+
+
+@pytest.fixture(autouse=True)
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_check_exit_codes(here: Path) -> None:
+    (here / "good.sketch").write_text(GOOD)
+    (here / "warn.sketch").write_text(GOOD + "feature m : nat\n")
+    (here / "bad.sketch").write_text(GOOD + "feature n : bool\n")
+    assert run("check", "good.sketch").exit_code == 0
+    assert run("check", "warn.sketch").exit_code == 0
+    assert run("check", "bad.sketch").exit_code == 1
+    assert run("check", "good.sketch", "bad.sketch").exit_code == 1
+    assert run("check").exit_code == 2
+    missing = run("check", "good.sketch", "nowhere.sketch")
+    assert missing.exit_code == 2
+    assert "nowhere.sketch: no such file" in missing.stderr
+    assert "good.sketch: ok" in missing.stdout
+
+
+def test_check_unreadable_files(here: Path) -> None:
+    (here / "dir.sketch").mkdir()
+    (here / "bytes.sketch").write_bytes(b"\xff\xfe\x00")
+    for name, message in (("dir.sketch", "directory"), ("bytes.sketch", "UTF-8")):
+        result = run("check", name)
+        assert result.exit_code == 2
+        assert message in result.stderr
+
+
+def test_check_builtin_names() -> None:
+    assert run("check", "pick_and_place").exit_code == 0
+    assert run("check", "delivery_s5").exit_code == 0
+    result = run("check", "pick_and_plce")
+    assert result.exit_code == 2
+    assert "Did you mean `pick_and_place`?" in result.stderr
+
+
+def test_check_standard_input() -> None:
+    assert run("check", "-", stdin=GOOD).exit_code == 0
+    result = run("check", "-", stdin="sketch s s")
+    assert result.exit_code == 1
+    assert "<stdin>:1:10" in result.stdout
+
+
+def test_three_mistakes_three_findings(here: Path) -> None:
+    (here / "t.sketch").write_text(
+        "sketch t\nfeature n : nat\ngoal { n = 0 }\n"
+        "rule a { n > 0 } -> { m-- }\nrule b { n > 0 } { n-- }\nrule a { n > 0 } -> { n-- }\n"
+    )
+    lines = run("check", "--format", "concise", "t.sketch").stdout.splitlines()
+    assert [line.split(" ")[0] + line.split(" ")[1] for line in lines] == [
+        "t.sketch:4:23:error[undefined-feature]",
+        "t.sketch:5:18:error[missing-arrow]",
+        "t.sketch:6:6:error[duplicate-rule]",
+    ]
+
+
+def test_include_through_folders(here: Path) -> None:
+    (here / "parts").mkdir()
+    (here / "parts" / "deep.sketch").write_text("feature n : nat\n")
+    (here / "parts" / "all.sketch").write_text('include "deep.sketch"\ngoal { n = 0 }\n')
+    text = 'sketch s\ninclude "parts/all.sketch"\ninclude "parts/deep.sketch"\n'
+    (here / "s.sketch").write_text(text + "rule r { n > 0 } -> { n-- }\n")
+    result = run("check", "s.sketch")
+    assert (result.exit_code, result.stdout) == (0, "s.sketch: ok\n")
+    # A mistake in a part is shown there.
+    (here / "parts" / "deep.sketch").write_text("feature n : nut\n")
+    result = run("check", "s.sketch")
+    assert result.exit_code == 1
+    assert "parts/deep.sketch:1:13" in result.stdout
+    # Nothing else is reported because of it.
+    assert "1 error\n" in result.stdout
+
+
+def test_explain() -> None:
+    result = run("explain", "impossible-effect")
+    assert result.exit_code == 0
+    assert "An effect cannot happen under the rule's own condition." in result.stdout
+    assert "error[impossible-effect]: `n--` cannot happen" in result.stdout
+    assert run("explain", "error[impossible-effect]").exit_code == 2
+    assert run("explain", "[impossible-effect]").exit_code == 0
+    wrong = run("explain", "imposible-effect")
+    assert wrong.exit_code == 2
+    assert "Did you mean `impossible-effect`?" in wrong.stderr
+    listed = run("explain").stdout.splitlines()
+    assert len(listed) >= 40
+
+
+def test_fmt(here: Path) -> None:
+    path = here / "s.sketch"
+    path.write_text(UGLY, encoding="utf-8")
+    assert run("fmt", "--check", "s.sketch").exit_code == 1
+    shown = run("fmt", "--diff", "s.sketch")
+    assert shown.exit_code == 1
+    assert "+feature n : nat  # the number\n" in shown.stdout
+    assert path.read_text(encoding="utf-8") == UGLY
+    assert run("fmt", ".").exit_code == 0
+    assert path.read_text(encoding="utf-8") == NEAT
+    assert run("fmt", "--check", "--diff", "s.sketch").exit_code == 0
+    assert run("fmt", "-", stdin=UGLY).stdout == NEAT
+
+
+def test_fmt_refuses_what_does_not_parse(here: Path) -> None:
+    path = here / "s.sketch"
+    path.write_text("sketch s\nrule {\n")
+    result = run("fmt", "s.sketch")
+    assert result.exit_code == 2
+    assert "missing-name" in result.stderr
+    assert path.read_text() == "sketch s\nrule {\n"
+    assert run("fmt", "pick_and_place").exit_code == 2
+    assert not (here / "pick_and_place").exists()
+
+
+def test_fmt_windows_line_ends(here: Path) -> None:
+    path = here / "s.sketch"
+    path.write_bytes(UGLY.replace("\n", "\r\n").encode())
+    assert run("fmt", "s.sketch").exit_code == 0
+    assert path.read_bytes() == NEAT.encode()
+
+
+def test_no_colour_without_a_terminal(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from sketchlang.render import console
+
+    class Terminal(io.StringIO):
+        def isatty(self) -> bool:
+            return True
+
+    monkeypatch.delenv("NO_COLOR", raising=False)
+    assert console.wants_colour(Terminal())
+    assert not console.wants_colour(io.StringIO())
+    monkeypatch.setenv("NO_COLOR", "1")
+    assert not console.wants_colour(Terminal())
+    assert sys.stdout is not None
