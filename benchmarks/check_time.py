@@ -64,8 +64,10 @@ def main() -> None:
         path = Path(directory) / "generated.sketch"
         path.write_text(sketch(100, 30), encoding="utf-8")
         times = [seconds(path) for _ in range(15)]
-    print(f"check, 100 rules, 30 features: best {min(times):.3f} s, "
-          f"median {statistics.median(times):.3f} s of process time")
+    print(
+        f"check, 100 rules, 30 features: best {min(times):.3f} s, "
+        f"median {statistics.median(times):.3f} s of process time"
+    )
 
 
 if __name__ == "__main__":

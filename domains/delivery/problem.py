@@ -86,7 +86,10 @@ class DeliveryProblem:
             yield Action("move", name), State(grid, cell, state.held, state.cells)
         if state.held is not None:
             name = grid.packages[state.held].name
-            yield Action("drop", name), State(grid, agent, None, _put(state.cells, state.held, agent))
+            yield (
+                Action("drop", name),
+                State(grid, agent, None, _put(state.cells, state.held, agent)),
+            )
             return
         for package in grid.packages:
             if state.cells[package.number] == agent:

@@ -6,7 +6,8 @@ behind them. Headings are a fixed set of K = 24, one bit each, so "the headings 
 j bars for an object at site s" is one integer.
 
 `strip` = [finger back, finger tip, arm length, arm half width, finger thickness and play]:
-metres; the first three along the approach, measured from the object's centre.
+metres; the first three along the approach, measured from the object's centre. Boxes are
+packed as in `runtime.kernels.boxes`.
 """
 
 from __future__ import annotations
@@ -21,46 +22,57 @@ from runtime.kernels.plane import point_distance, point_is_clear, segment_distan
 HEADINGS = 24
 STEP = 2.0 * math.pi / HEADINGS
 ALL = (1 << HEADINGS) - 1
+PLAY = 0.002
+"""Metres kept between objects that stand side by side."""
+
 UNREACHABLE = 1000
 """Added to the count of a heading from which the arm cannot come at all."""
 
 
 @njit(cache=True)
-def barred_headings(sx, sy, grip, px, py, radius, strip):  # type: ignore[no-untyped-def]
-    """Bits of the headings along which something round at (px, py) bars the way to (sx, sy).
+def barred_headings(sx, sy, grips, box, strip):  # type: ignore[no-untyped-def]
+    """Bits of the headings along which an upright box bars the way to a site (sx, sy).
 
-    `grip` is half the width of the gripped object, `radius` that of what may bar.
+    `grips[k]` is half the width of the gripped object across heading k. In the frame of an
+    approach the box counts as the smallest box around it.
     """
-    dx = px - sx
-    dy = py - sy
-    distance = math.hypot(dx, dy)
-    if distance > strip[2] + strip[3] + radius:
+    distance = point_distance(box, sx, sy)
+    if distance > strip[2] + strip[3]:
         return 0
-    if distance < grip + radius:
+    least = grips[0]
+    for k in range(1, HEADINGS):
+        least = min(least, grips[k])
+    if distance < least + PLAY:
         return ALL  # it stands where the object is, or is to be
-    finger = grip + strip[4] + radius
+    dx = box[0] - sx
+    dy = box[1] - sy
     bits = 0
     for k in range(HEADINGS):
         c = math.cos(k * STEP)
         s = math.sin(k * STEP)
         along = c * dx + s * dy
         aside = abs(c * dy - s * dx)
-        if (-strip[0] - radius < along < strip[1] + radius and aside < finger) or (
-            -strip[2] - radius < along < -strip[0] + radius and aside < strip[3] + radius
-        ):
+        # The box in the frame of the approach.
+        turn_c = abs(c * box[6] + s * box[7])
+        turn_s = abs(c * box[7] - s * box[6])
+        half_along = box[3] * turn_c + box[4] * turn_s
+        half_aside = box[3] * turn_s + box[4] * turn_c
+        low = along - half_along
+        high = along + half_along
+        if (
+            high > -strip[0] and low < strip[1] and aside < grips[k] + strip[4] + half_aside
+        ) or (high > -strip[2] and low < -strip[0] and aside < strip[3] + half_aside):
             bits |= 1 << k
     return bits
 
 
 @njit(cache=True)
-def barred_matrix(sites, grips, points, radii, strip):  # type: ignore[no-untyped-def]
-    """`barred_headings` for all sites (S, 2) and points (n, 2): (S, n) of int64."""
-    out = np.empty((sites.shape[0], points.shape[0]), dtype=np.int64)
+def barred_matrix(sites, grips, boxes, strip):  # type: ignore[no-untyped-def]
+    """`barred_headings` for all sites (S, 2) with grips (S, K) and boxes (n, 8): (S, n)."""
+    out = np.empty((sites.shape[0], boxes.shape[0]), dtype=np.int64)
     for i in range(sites.shape[0]):
-        for j in range(points.shape[0]):
-            out[i, j] = barred_headings(
-                sites[i, 0], sites[i, 1], grips[i], points[j, 0], points[j, 1], radii[j], strip
-            )
+        for j in range(boxes.shape[0]):
+            out[i, j] = barred_headings(sites[i, 0], sites[i, 1], grips[i], boxes[j], strip)
     return out
 
 
@@ -163,27 +175,13 @@ def _has_stand(wx, wy, x, y, k, shoulder, inner, outer, statics, clearance):  # 
 
 
 @njit(cache=True)
-def occupied(x, y, half, points, halves):  # type: ignore[no-untyped-def]
-    """Whether something round of radius `half` at a point would overlap round things."""
-    for j in range(points.shape[0]):
-        reach = half + halves[j]
-        dx = points[j, 0] - x
-        dy = points[j, 1] - y
-        if dx * dx + dy * dy < reach * reach:
-            return True
-    return False
-
-
-@njit(cache=True)
-def occupied_sites(sites, half, points, halves, skip):  # type: ignore[no-untyped-def]
-    """`occupied` for sites (S, 2), the point with index `skip` left out: (S,) of bool."""
+def occupied_sites(sites, radius, boxes, skip):  # type: ignore[no-untyped-def]
+    """Whether something round at each site (S, 2) would overlap one of the boxes (n, 8),
+    the one with index `skip` left out: (S,) of bool."""
     out = np.zeros(sites.shape[0], dtype=np.bool_)
     for i in range(sites.shape[0]):
-        for j in range(points.shape[0]):
-            reach = half + halves[j]
-            dx = points[j, 0] - sites[i, 0]
-            dy = points[j, 1] - sites[i, 1]
-            if j != skip and dx * dx + dy * dy < reach * reach:
+        for j in range(boxes.shape[0]):
+            if j != skip and point_distance(boxes[j], sites[i, 0], sites[i, 1]) < radius + PLAY:
                 out[i] = True
                 break
     return out
@@ -216,11 +214,11 @@ def least_barred(counts, minus):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def leaves_open(headings, sites, grips, px, py, radius, strip):  # type: ignore[no-untyped-def]
-    """Whether something round at a point leaves one of the headings (S,) to sites (S, 2)."""
+def leaves_open(headings, sites, grips, box, strip):  # type: ignore[no-untyped-def]
+    """Whether an upright box leaves one of the headings (S,) to sites (S, 2) open."""
     for i in range(sites.shape[0]):
         if headings[i] and headings[i] & ~barred_headings(
-            sites[i, 0], sites[i, 1], grips[i], px, py, radius, strip
+            sites[i, 0], sites[i, 1], grips[i], box, strip
         ):
             return True
     return False

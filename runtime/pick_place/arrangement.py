@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 
 Placements = tuple[Placement | None, ...]
 
+FAR_OFF = np.array([1e3, 1e3, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0])
+"""The box of an object that is away."""
+
 
 class Arrangement:
     """The geometry of one arrangement, computed as far as it is asked for."""
@@ -33,22 +36,33 @@ class Arrangement:
         n = len(placements)
         self.present = np.array([placement is not None for placement in placements], dtype=bool)
         # Objects that are away stand far off, where they bar nothing.
-        self.xy = np.full((n, 2), 1e3)
+        self.boxes = np.tile(FAR_OFF, (n, 1))
         for i, placement in enumerate(placements):
             if placement is not None:
-                self.xy[i] = placement.pose[:2]
+                self.boxes[i] = task.object_row(i, placement)
+        self.xy = self.boxes[:, :2]
         self.misplaced: dict[Grasp | None, frozenset[int]] = {}
         self._alpha: dict[tuple[int, Grasp | None], int] = {}
         self._open: dict[int, tuple[Floats, Floats]] = {}
-        self._places: dict[tuple[object, ...], tuple[Floats, Floats]] = {}
+        self._places: dict[object, tuple[Floats, Floats]] = {}
 
     @cached_property
     def barred(self) -> Floats:
         """(n, n): headings at the place of object i that object j bars."""
         task = self.task
-        barred = swept.barred_matrix(self.xy, task.grips, self.xy, task.radii, task.strip)
+        barred = swept.barred_matrix(self.xy, self.grips, self.boxes, task.strip)
         np.fill_diagonal(barred, 0)
         return barred
+
+    @cached_property
+    def grips(self) -> Floats:
+        """(n, K): half the width of each standing object across each heading, metres."""
+        return np.array(
+            [
+                np.zeros(HEADINGS) if placement is None else self.task.grips(i, placement.pose[2])
+                for i, placement in enumerate(self.placements)
+            ]
+        )
 
     @cached_property
     def reachable(self) -> Floats:
@@ -71,15 +85,16 @@ class Arrangement:
         counts = self.pick_counts[index]
         return sum(1 << k for k in range(HEADINGS) if counts[k] == 0)
 
-    def place_counts(self, goal: GoalSites) -> tuple[Floats, Floats]:
-        """For the sites of a goal: (S, n) barred headings, (S, K) counts."""
-        if goal.key not in self._places:
-            task = self.task
-            grips = np.full(len(goal.xy), task.grips.max())
-            barred = swept.barred_matrix(goal.xy, grips, self.xy, task.radii, task.strip)
+    def place_counts(self, goal: GoalSites, grip: float) -> tuple[Floats, Floats]:
+        """For the sites of a goal and half the width of what is put there: (S, n) barred
+        headings, (S, K) counts."""
+        key = (goal.key, grip)
+        if key not in self._places:
+            grips = np.full((len(goal.xy), HEADINGS), grip)
+            barred = swept.barred_matrix(goal.xy, grips, self.boxes, self.task.strip)
             counts = swept.bar_counts(barred, self.present, goal.reachable)
-            self._places[goal.key] = barred, counts
-        return self._places[goal.key]
+            self._places[key] = barred, counts
+        return self._places[key]
 
     def obstructions(self, index: int, goal: GoalSites, grasp: Grasp | None = None) -> int:
         """alpha: fewest objects in the way of picking an object up and putting it at its
@@ -93,17 +108,16 @@ class Arrangement:
         self, index: int, goal: GoalSites, grasp: Grasp | None, extra: tuple[int, Placement] | None
     ) -> int:
         task = self.task
-        barred, counts = self.place_counts(goal)
+        grip = task.place_grip(index, grasp)
+        barred, counts = self.place_counts(goal, grip)
         plus_place = np.zeros(len(goal.xy), dtype=np.int64)
         plus_pick = np.zeros(1, dtype=np.int64)
         if extra is not None:
-            other, placement = extra
-            point = np.array([placement.pose[:2]])
-            radius = task.radii[other : other + 1]
-            grips = np.full(len(goal.xy), task.grips.max())
-            plus_place = swept.barred_matrix(goal.xy, grips, point, radius, task.strip)[:, 0]
+            box = task.object_row(*extra)[None]
+            grips = np.full((len(goal.xy), HEADINGS), grip)
+            plus_place = swept.barred_matrix(goal.xy, grips, box, task.strip)[:, 0]
             plus_pick = swept.barred_matrix(
-                self.xy[index : index + 1], task.grips[index : index + 1], point, radius, task.strip
+                self.xy[index : index + 1], self.grips[index : index + 1], box, task.strip
             )[0]
         modulus = goal.modulus
         place = swept.residue_minima(counts, barred[:, index], plus_place, modulus)
@@ -128,7 +142,7 @@ class Arrangement:
         counts = self.pick_counts[index]
         for k in np.flatnonzero(counts == counts.min()):
             found |= {int(j) for j in np.flatnonzero((self.barred[index] >> k) & 1)}
-        barred, counts = self.place_counts(goal)
+        barred, counts = self.place_counts(goal, self.task.place_grip(index, None))
         fewest = counts.min()
         if fewest > 0:
             for site, k in np.argwhere(counts == fewest):
@@ -157,21 +171,22 @@ class Arrangement:
             return self._obstructions(other, goal, None, (index, placement)) > before
         # Pick and place do not depend on each other: alpha rises if one of them loses its
         # last least barred heading.
+        task = self.task
+        grip = task.place_grip(other, None)
         if other not in self._open:
             none = np.zeros(1, dtype=np.int64)
-            barred, counts = self.place_counts(goal)
+            barred, counts = self.place_counts(goal, grip)
             self._open[other] = (
                 swept.least_barred(self.pick_counts[other : other + 1], none),
                 swept.least_barred(counts, barred[:, other]),
             )
-        task = self.task
-        x, y, _ = placement.pose
+        box = task.object_row(index, placement)
         pick, place = self._open[other]
         sites = (
-            (pick, self.xy[other : other + 1], task.grips[other : other + 1]),
-            (place, goal.xy, np.full(len(goal.xy), task.grips.max())),
+            (pick, self.xy[other : other + 1], self.grips[other : other + 1]),
+            (place, goal.xy, np.full((len(goal.xy), HEADINGS), grip)),
         )
         return not all(
-            swept.leaves_open(headings, xy, grips, x, y, task.radii[index], task.strip)
+            swept.leaves_open(headings, xy, grips, box, task.strip)
             for headings, xy, grips in sites
         )

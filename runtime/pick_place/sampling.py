@@ -211,7 +211,7 @@ class Sampler:
                 j = min(bins[1] - 1, max(0, int((ly + spans[1]) / (2 * spans[1]) * bins[1])))
                 load[i * bins[1] + j] += 1
         order = np.argsort(load + rng.uniform(0.0, 0.9, len(load)))
-        radius = float(task.radii[state.held])
+        radius = task.shapes[state.held].outer_radius
         low, high = surface.rest, surface.rest + task.shapes[state.held].size[2]
         found: list[Placement] = []
         for turn in range(3):
@@ -220,7 +220,7 @@ class Sampler:
                 lx = -spans[0] + (i + rng.random()) * 2 * spans[0] / bins[0]
                 ly = -spans[1] + (j + rng.random()) * 2 * spans[1] / bins[1]
                 x, y = surface.table.world(lx, ly)
-                if swept.occupied(x, y, radius, arrangement.xy, task.radii):
+                if swept.occupied_sites(np.array([[x, y]]), radius, arrangement.boxes, -1)[0]:
                     continue
                 if swept.nearest_static(x, y, task.statics, low, high) < radius:
                     continue
@@ -240,8 +240,8 @@ class Sampler:
         assert state.held is not None
         arrangement = task.arrangement(state.placements)
         site = np.array([[x, y]])
-        grip = task.grips[state.held : state.held + 1]
-        barred = swept.barred_matrix(site, grip, arrangement.xy, task.radii, task.strip)[0]
+        grips = np.full((1, HEADINGS), task.place_grip(state.held, state.grasp))
+        barred = swept.barred_matrix(site, grips, arrangement.boxes, task.strip)[0]
         reachable = int(task.reachable_sites(site, task.scene.surfaces[surface].rest)[0])
         return reachable & ~int(np.bitwise_or.reduce(barred)) if len(barred) else reachable
 

@@ -9,16 +9,14 @@ import numpy as np
 
 from runtime.errors import InputError
 from runtime.kernels import swept
+from runtime.kernels.swept import HEADINGS, STEP
 from runtime.motion.base import BaseRoads, Footprint, footprint
 from runtime.pick_place.arrangement import Arrangement, Placements
 from runtime.pick_place.goals import GoalSites, lattice
 from runtime.pick_place.shapes import Shape, box_shape
-from runtime.pick_place.state import BasePose, Placement, State
+from runtime.pick_place.state import BasePose, Grasp, Placement, State
 from runtime.robot.model import Floats, RobotModel
 from runtime.scene.model import PoseGoal, RegionGoal, Scene
-
-ROUND = 1.2
-"""Radius, over half the side, of the round shape that stands for a box in the estimates."""
 
 CACHED_ARRANGEMENTS = 512
 PLACING_INSET = 0.005
@@ -32,9 +30,9 @@ class Task:
         self.scene = scene
         self.robot = robot
         self.shapes: tuple[Shape, ...] = tuple(box_shape(o.size) for o in scene.objects)
-        half = np.array([shape.inner_radius for shape in self.shapes])
-        self.grips: Floats = half
-        self.radii: Floats = half * ROUND
+        self._widths = [
+            np.array([shape.width(k * STEP) / 2 for k in range(HEADINGS)]) for shape in self.shapes
+        ]
         strip = robot.strip
         self.strip: Floats = np.array(
             [
@@ -51,6 +49,7 @@ class Task:
         self.roads = BaseRoads(self.statics, self.clearance)
         self._arrangements: OrderedDict[Placements, Arrangement] = OrderedDict()
         self._reachable: dict[Placement, int] = {}
+        self._rows: dict[tuple[int, Placement], Floats] = {}
         self.goals = self._static_goals()
         self.initial = self._initial()
 
@@ -175,9 +174,8 @@ class Task:
         goal = self.goal_sites(index, arrangement)
         if goal is None:
             return ()
-        taken = swept.occupied_sites(
-            goal.xy, self.radii[index], arrangement.xy, self.radii, index
-        )
+        radius = self.shapes[index].inner_radius
+        taken = swept.occupied_sites(goal.xy, radius, arrangement.boxes, index)
         return tuple(
             placement
             for placement, occupied in zip(goal.placements, taken, strict=True)
@@ -211,10 +209,37 @@ class Task:
 
     # -- what actions need -------------------------------------------------------------------
 
+    def object_row(self, index: int, placement: Placement) -> Floats:
+        """An object at a placement, packed for the kernels (8,)."""
+        key = (index, placement)
+        row = self._rows.get(key)
+        if row is None:
+            box = self.scene.object_box(index, *placement.pose, placement.surface)
+            row = self._rows[key] = box.row()
+        return row
+
+    def grips(self, index: int, yaw: float) -> Floats:
+        """Half the width (K,) of an object with a heading, across each approach heading."""
+        # Widths are tabulated for headings in the object's frame; between two of them the
+        # wider one counts.
+        turn = yaw / STEP
+        low, high = int(np.floor(turn)), int(np.ceil(turn))
+        widths = self._widths[index]
+        if turn - low < 1e-3 or high - turn < 1e-3:
+            return np.roll(widths, round(turn))
+        return np.maximum(np.roll(widths, low), np.roll(widths, high))
+
+    def place_grip(self, index: int, grasp: Grasp | None) -> float:
+        """Half the width of an object between the fingers: of the grasp that holds it, or
+        of its narrowest grasp."""
+        if grasp is None:
+            return float(self._widths[index].min())
+        return round(self.shapes[index].width(grasp.heading) / 2, 4)
+
     def world_rows(self, state: State, without: int | None = None) -> Floats:
         """Obstacles and standing objects packed for the kernels (w, 8)."""
         rows = [
-            self.scene.object_box(i, *placement.pose, placement.surface).row()
+            self.object_row(i, placement)
             for i, placement in enumerate(state.placements)
             if placement is not None and i != without
         ]

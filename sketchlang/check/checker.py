@@ -338,4 +338,3 @@ def _spans(block: tree.Block, index: Mapping[str, int]) -> dict[int, Span]:
         if feature is not None:
             spans.setdefault(feature, literal.span)
     return spans
-

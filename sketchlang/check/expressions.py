@@ -74,7 +74,7 @@ class Typer:
     def expect(self, expr: tree.Expr, wanted: Type, what: str, scope: Scope) -> Node:
         """The node of an expression that has to be of a given type."""
         node = self.node(expr, scope)
-        if UNKNOWN in (node.type, wanted) or node.type == wanted:
+        if node.kind == "unknown" or UNKNOWN in (node.type, wanted) or node.type == wanted:
             return node
         self.report.add(
             "wrong-type",
@@ -234,8 +234,10 @@ class Typer:
             condition = self.expect(expr.condition, BOOL, "the condition after `where`", inner)
         wanted = _BODY[expr.kind]
         body = self.expect(expr.body, wanted, f"the body of `{expr.kind}`", inner)
-        # The use may be in a part that was left out because it is wrong.
-        if not binding.used and len(self.report.diagnostics) == before:
+        # `count x in s: true` is how elements are counted. And where something is wrong, the
+        # use may be in a part that was left out.
+        counts_all = body.kind == "constant" and expr.condition is None
+        if not (binding.used or counts_all) and len(self.report.diagnostics) == before:
             self.report.add(
                 "unused-variable",
                 f"variable `{name.text}` is never used",

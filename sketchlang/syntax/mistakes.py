@@ -88,6 +88,21 @@ FOREIGN = {
     "boolean": "bool",
 }
 
+ITEMS = (
+    "sketch",
+    "use",
+    "include",
+    "bounded",
+    "feature",
+    "define",
+    "invariant",
+    "atoms",
+    "goal",
+    "rule",
+)
+ITEM_KINDS = frozenset(KEYWORDS[word] for word in ITEMS)
+"""The terminals that items begin with."""
+
 _EXPRESSION = frozenset({"NAME", "NUMBER", "TRUE", "_LPAR", "SOME"})
 _COMPARISONS = frozenset({"EQ", "NE", "LT", "LE", "GT", "GE", "IN"})
 _OPERATORS = _COMPARISONS | {"_AND", "_OR", "_ARROW", "_PLUS"}
@@ -145,6 +160,13 @@ def explain(stuck: StuckError) -> Mistake:
             f"`{token.text}` is a keyword and cannot be a name",
             span,
             f"Choose another name, for example `{token.text}_`.",
+        )
+    if token.kind in ITEM_KINDS and STOP in stuck.expected:
+        return Mistake(
+            "items-on-one-line",
+            f"{describe(token)} begins an item in the middle of a line",
+            span,
+            "Begin every item on a line of its own.",
         )
     code = MISTAKES.get((stuck.state, token.kind))
     if code is None:

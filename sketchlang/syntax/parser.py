@@ -8,32 +8,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from grammars.table import KEYWORDS
 from sketchlang.diagnostics import Diagnostic, Label
 from sketchlang.source import Source, Span
 from sketchlang.suggest import closest, did_you_mean
 from sketchlang.syntax import lalr
 from sketchlang.syntax.build import ACTIONS, RejectedError
 from sketchlang.syntax.lexer import ERROR, UNCLOSED_STRING, Token, tokenize
-from sketchlang.syntax.mistakes import Mistake, describe, explain
+from sketchlang.syntax.mistakes import ITEM_KINDS, ITEMS, Mistake, describe, explain
 from sketchlang.syntax.tree import Broken, Item, Name, Tree
 
-ITEMS = {
-    word: KEYWORDS[word]
-    for word in (
-        "sketch",
-        "use",
-        "include",
-        "bounded",
-        "feature",
-        "define",
-        "invariant",
-        "atoms",
-        "goal",
-        "rule",
-    )
-}
-_ITEM_KINDS = frozenset(ITEMS.values())
 MAX_CHARACTERS = 128 * 1024
 """Length of the longest text that is read; learned sketches stay far below."""
 
@@ -75,7 +58,7 @@ def _pieces(tokens: list[Token]) -> Iterator[list[Token]]:
     """The tokens, cut before every line that begins with an item keyword."""
     start = 0
     for i, token in enumerate(tokens):
-        if token.first and token.kind in _ITEM_KINDS and i > start:
+        if token.first and token.kind in ITEM_KINDS and i > start:
             yield tokens[start:i]
             start = i
     if start < len(tokens):
@@ -86,7 +69,7 @@ def _parse_piece(tokens: list[Token], items: list[Item]) -> list[Mistake]:
     """Parse one item, add it to `items`, and return what is wrong with it."""
     whole = Span(tokens[0].start, tokens[-1].end)
     first = tokens[0]
-    if first.kind not in _ITEM_KINDS:
+    if first.kind not in ITEM_KINDS:
         items.append(_broken(tokens, whole))
         return [*_bad_characters(tokens)] or [_unknown_item(first)]
     bad = _bad_characters(tokens)

@@ -37,6 +37,11 @@ class Interpreter:
         """One value a feature."""
         return tuple(int(self.feature(name)) for name in self.features)
 
+    def values_of(self, state: object) -> tuple[int, ...]:
+        """The values in another state."""
+        self.state = state
+        return self.values()
+
     def feature(self, name: str) -> Any:
         definition = self.features[name].definition
         assert definition is not None

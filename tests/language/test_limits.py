@@ -18,7 +18,9 @@ from sketchlang.source import Source
 from sketchlang.syntax.parser import MAX_CHARACTERS, MAX_MISTAKES
 
 ROOT = Path(__file__).parents[2]
-SKETCHES = [path.read_text(encoding="utf-8") for path in sorted((ROOT / "domains").rglob("*.sketch"))]
+SKETCHES = [
+    path.read_text(encoding="utf-8") for path in sorted((ROOT / "domains").rglob("*.sketch"))
+]
 SECONDS = 1.0
 FULL = MAX_CHARACTERS - 100
 
@@ -101,7 +103,7 @@ def test_nesting_by_definitions() -> None:
         "\u00e9\u4e2d\ufeff\x00\x1b[31m" * (FULL // 12),
         "goal {" * (FULL // 6),
         "a " * (FULL // 2),
-        "include \"main.sketch\"\n" * (FULL // 24),
+        'include "main.sketch"\n' * (FULL // 24),
     ],
     ids=lambda text: text[:12].encode("unicode_escape").decode(),
 )
@@ -127,7 +129,7 @@ def test_a_line_of_ten_megabytes(tmp_path: Path) -> None:
 def test_not_a_text(tmp_path: Path) -> None:
     path = tmp_path / "bytes.sketch"
     path.write_bytes(b"sketch s\n\xff\xfe")
-    with pytest.raises(LoadError, match="not a text in UTF-8 .byte 10"):
+    with pytest.raises(LoadError, match=r"not a text in UTF-8 .byte 10"):
         load_source(str(path))
 
 
@@ -140,8 +142,10 @@ def mutate(text: str, rng: random.Random) -> str:
             [
                 "",
                 text[other : other + rng.choice([1, 3, 20])],
-                rng.choice("(){}:,!?+-=<>#\"\n \t\x00\x85é∧¬↓"),
-                rng.choice([" rule ", " feature ", "\ngoal ", " some x in s: ", " 0 ", " default "]),
+                rng.choice('(){}:,!?+-=<>#"\n \t\x00\x85é∧¬↓'),
+                rng.choice(
+                    [" rule ", " feature ", "\ngoal ", " some x in s: ", " 0 ", " default "]
+                ),
                 chr(rng.randrange(0x110000 - 0x800) % 0xD800),
             ]
         )
@@ -174,7 +178,9 @@ def test_fuzz_a_lot() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("content", ["(" * FULL, "1+" * (5 << 20), "\xff\x00" * 1000], ids=lambda text: repr(text[:4]))
+@pytest.mark.parametrize(
+    "content", ["(" * FULL, "1+" * (5 << 20), "\xff\x00" * 1000], ids=lambda text: repr(text[:4])
+)
 def test_memory_and_time_of_the_command(content: str, tmp_path: Path) -> None:
     path = tmp_path / "big.sketch"
     path.write_text("feature n : nat = " + content, encoding="latin-1")

@@ -16,11 +16,8 @@ from sketchlang.syntax.parser import parse
 from tests.language.trees import items
 
 LARK: Lark = generate.build()
-TOKENS = [
-    *table.KEYWORDS,
-    *"some all in and or not ! != <= >= -> -- ++ ? = < > + ( ) { } , : x f 0 7".split(),
-    '"p"',
-]
+SIGNS = "some all in and or not ! != <= >= -> -- ++ ? = < > + ( ) { } , :"
+TOKENS = [*table.KEYWORDS, *SIGNS.split(), "x", "f", "0", "7", '"p"']
 
 
 def codes(text: str) -> list[str]:

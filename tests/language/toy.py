@@ -104,7 +104,9 @@ Scope = tuple[tuple[str, str], ...]
 
 
 @st.composite
-def expression(draw: st.DrawFn, kind: str, scope: Scope, known: Scope, depth: int) -> str:
+def expression(  # noqa: PLR0912 (one case for every construct)
+    draw: st.DrawFn, kind: str, scope: Scope, known: Scope, depth: int
+) -> str:
     """A well-typed expression; `known` are features and definitions without parameters."""
     leaves = [name for name, type_ in (*scope, *known) if type_ == kind]
     boxes_here = [name for name, type_ in scope if type_ == "Box"]

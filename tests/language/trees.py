@@ -87,7 +87,9 @@ items: st.SearchStrategy[tree.Item] = st.one_of(
     st.builds(tree.Use, names, st.just(HERE)),
     st.builds(
         lambda text: tree.Include(text, True, HERE, HERE),
-        st.text(alphabet=st.characters(codec="utf-8", exclude_characters='"\n\r\x0b\x0c'), max_size=9),
+        st.text(
+            alphabet=st.characters(codec="utf-8", exclude_characters='"\n\r\x0b\x0c'), max_size=9
+        ),
     ),
     st.builds(lambda name: tree.Include(name, False, HERE, HERE), words),
     st.builds(

@@ -68,7 +68,9 @@ def sections(path: Path) -> Iterator[Section]:
         if line.startswith("#"):
             if section and (section.prose or section.blocks):
                 yield section
-            section = Section(line.lstrip("#").strip(" `"), number + 1)
+            # A title may have an introduction without an example.
+            title = line.startswith("# ")
+            section = None if title else Section(line.lstrip("#").strip(" `"), number + 1)
         elif fence and section:
             end = lines.index("```", number)
             text = "\n".join(lines[number + 1 : end]) + "\n"
@@ -220,6 +222,9 @@ def rewrite(path: Path) -> None:
                 lines[start : lines.index("```", start)] = mismatch.actual.rstrip().splitlines()
                 path.write_text("\n".join(lines) + "\n", encoding="utf-8")
                 section = next(s for s in sections(path) if s.line == section.line)
+            except AssertionError as error:
+                print(f"{path}: {section.title}: {error}")
+                break
 
 
 if __name__ == "__main__":
