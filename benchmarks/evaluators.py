@@ -91,7 +91,9 @@ def by_hand(state: State) -> tuple[int, ...]:
     )
     wrong = [o for o in everything if misplaced(state, o)]
     in_the_way = [obstructions(state, o) for o in wrong]
-    least = min((a + disturbances(state, o) for a, o in zip(in_the_way, wrong, strict=True)), default=0)
+    least = min(
+        (a + disturbances(state, o) for a, o in zip(in_the_way, wrong, strict=True)), default=0
+    )
     return int(bool(held_ones)), int(free_goal), len(wrong), least, sum(in_the_way)
 
 

@@ -29,8 +29,10 @@ def read_toml(path: Path) -> Table:
         raise InputError(f"cannot be read: {error.strerror}", place=str(path)) from None
     except UnicodeDecodeError:
         raise InputError("is not UTF-8 text", place=str(path)) from None
-    except tomllib.TOMLDecodeError as error:
+    except ValueError as error:  # numbers of thousands of digits are no TOMLDecodeError
         raise InputError(f"is not valid TOML: {error}", place=str(path)) from None
+    except RecursionError:
+        raise InputError("is nested too deeply", place=str(path)) from None
     return Table(data, str(path))
 
 
@@ -87,6 +89,13 @@ class Table:
             return default
         return self._number(key, self._get(key))
 
+    def positive(self, key: str, default: float | None = None) -> float:
+        """A number above 0."""
+        value = self.number(key, default)
+        if value <= 0:
+            raise self.error(key, f"must be positive, found {value:g}")
+        return value
+
     def _number(self, key: str, value: object) -> float:
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise self.error(key, f"expected a number, found {value!r}")
@@ -101,6 +110,13 @@ class Table:
             wanted = "a list of numbers" if count is None else f"a list of {count} numbers"
             raise self.error(key, f"expected {wanted}, found {value!r}")
         return [self._number(key, item) for item in value]
+
+    def positives(self, key: str, count: int) -> list[float]:
+        """A list of numbers above 0, of the given length."""
+        values = self.numbers(key, count)
+        if min(values, default=1.0) <= 0:
+            raise self.error(key, f"all must be positive, found {values}")
+        return values
 
     def all_numbers(self) -> dict[str, float]:
         """Every key of this table with its number."""

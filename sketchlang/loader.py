@@ -278,7 +278,8 @@ def _entry_points() -> list[EntryPoint]:
 def _import_domain(module: str, attribute: str, name: str) -> Domain:
     try:
         found = getattr(importlib.import_module(module), attribute)
-    except Exception as error:
+    # A module that ends the program would end the command as well.
+    except (Exception, SystemExit) as error:
         raise LoadError(
             f"domain `{name}` cannot be loaded: {type(error).__name__}: {error}"
         ) from error
@@ -302,7 +303,7 @@ def domains_of_file(path: str) -> dict[str, Domain]:
         spec.loader.exec_module(module)
     except DomainError as error:
         raise LoadError(f"{path}: {error}") from error
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         line = _line_of(error, str(file))
         where = f"{path}:{line}" if line else path
         raise LoadError(f"{where}: {type(error).__name__}: {error}") from error
@@ -312,7 +313,7 @@ def domains_of_file(path: str) -> dict[str, Domain]:
     return found
 
 
-def _line_of(error: Exception, path: str) -> int | None:
+def _line_of(error: BaseException, path: str) -> int | None:
     if isinstance(error, SyntaxError):
         return error.lineno
     line = None

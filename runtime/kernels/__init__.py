@@ -1,5 +1,5 @@
 """The few hot loops, compiled by numba.
 
-Each kernel has a plain reference twin in `tests/kernels`, against which it is compared.
+Each kernel has a plain reference twin in `tests/runtime/reference.py`.
 Poses are 3x4 matrices `[R | t]`; lengths are metres, angles radians.
 """

@@ -27,10 +27,10 @@ class Step:
         finally:
             self.time_s += time.perf_counter() - start
 
-    def record(self, success: bool, calls: int = 1) -> None:
-        """Count one question and its answer."""
+    def record(self, successes: int, calls: int = 1) -> None:
+        """Count questions and how many were answered with yes."""
         self.calls += calls
-        self.successes += success
+        self.successes += successes
 
 
 @dataclass

@@ -36,6 +36,12 @@ PLACEMENTS = 7
 BASES = 7
 """Published numbers of samples: grasps an object, placements and base poses a surface."""
 
+CHOICE = 3
+"""Placements to put something aside are the best of so many times their number."""
+
+REGRASP_PLACES = 4
+"""Places at which the held object may be put down to grip it anew."""
+
 BIN = 0.1
 """Placements fall into the least filled bins of this size, in metres, as published."""
 
@@ -63,7 +69,7 @@ class Samples:
                 placement = state.placements[index]
                 if placement is not None:
                     targets.extend((index, placement, grasp) for grasp in grasps)
-        elif state.grasp is not None and (self.placed is None or state.held == self.placed):
+        elif state.grasp is not None and state.held == self.placed:
             targets = [(state.held, placement, state.grasp) for placement in self.places]
         for index, placement, grasp in executor.in_arm_workspace(state.base, targets):
             action = Pick(index, grasp) if state.held is None else Place(index, placement)
@@ -92,10 +98,16 @@ class Sampler:
             ]
             places: list[Placement] = []
         else:
-            picks = []
             assert state.grasp is not None
             places = self._placements(state, attempt, rng)
             wanted = [[(placement, state.grasp)] for placement in places]
+            picks = self._regrasps(state, attempt, rng) if attempt > 0 else []
+            for index, grasps in picks:
+                aside = list(places[:REGRASP_PLACES])
+                for grasp in grasps:
+                    goals = self._goal_placements_with(state, index, grasp, scale, rng)
+                    places += goals
+                    wanted += [[(placement, grasp)] for placement in goals + aside]
         bases = self._bases(state, wanted, scale, rng)
         return Samples(self.executor, tuple(bases), tuple(picks), tuple(places), state.held)
 
@@ -130,6 +142,29 @@ class Sampler:
             if grasps:
                 picks.append((index, grasps))
         return picks
+
+    def _regrasps(
+        self, state: State, attempt: int, rng: np.random.Generator
+    ) -> list[tuple[int, tuple[Grasp, ...]]]:
+        """Other grasps of the held object: where it cannot go to its goal with the grasp
+        that holds it, it is put down, gripped anew and placed, all in one subproblem."""
+        assert state.held is not None
+        height = self.task.shapes[state.held].grasp_height
+        number = GRASPS * 2**attempt
+        angles = (rng.random() + np.arange(number)) * 2 * math.pi / number
+        return [
+            (state.held, tuple(Grasp.of(a, height, flipped=rng.random() < 0.3) for a in angles))
+        ]
+
+    def _goal_placements_with(
+        self, state: State, index: int, grasp: Grasp, number: int, rng: np.random.Generator
+    ) -> list[Placement]:
+        """Goal placements for the held object, were it held with another grasp."""
+        regrasped = State(state.base, state.placements, index, grasp, self.task)
+        goal = self.task.goal_sites(index, self.task.arrangement(state.placements))
+        if goal is None:
+            return []
+        return self._goal_placements(regrasped, goal, number, rng)
 
     def _relevant(self, state: State, attempt: int) -> list[int]:
         """Misplaced objects and those in their way, nearest first; all after a failure."""
@@ -166,9 +201,36 @@ class Sampler:
             found = self._goal_placements(state, goal, number, rng)
             if attempt == 0 and any(task.disturbed_by(state, index, p) == 0 for p in found):
                 return found
+        aside = []
         for surface in range(len(task.scene.surfaces)):
-            found += self._free_placements(state, surface, number, rng)
-        return found
+            candidates = self._free_placements(state, surface, CHOICE * number, rng)
+            aside += self._least_in_the_way(state, candidates)[:number]
+        return found + self._least_in_the_way(state, aside)
+
+    def _least_in_the_way(self, state: State, placements: list[Placement]) -> list[Placement]:
+        """Placements ordered by how many ways, to misplaced objects and to places that
+        goals name, an object there would bar; the farther from the robot the later."""
+        task = self.task
+        index = state.held
+        assert index is not None
+        arrangement = task.arrangement(state.placements)
+        misplaced = [i for i in task.misplaced(state) if state.placements[i] is not None]
+        goals = [goal for goal in task.goals.values() if goal.region is None]
+        xy = np.array([arrangement.xy[i] for i in misplaced] + [goal.xy[0] for goal in goals])
+        if not len(xy):
+            xy = np.zeros((0, 2))
+        reachable = np.array(
+            [arrangement.reachable[i] for i in misplaced] + [goal.reachable[0] for goal in goals],
+            dtype=np.int64,
+        )
+        grips = np.full((len(xy), HEADINGS), task.place_grip(index, None))
+        boxes = np.array([task.object_row(index, p) for p in placements]).reshape(-1, 8)
+        barred = swept.barred_matrix(xy, grips, boxes, task.strip) & reachable[:, None]
+        ways = np.bitwise_count(barred).sum(axis=0) if len(xy) else np.zeros(len(placements))
+        distance = np.hypot(
+            boxes[:, 0] - state.base.x * UNIT, boxes[:, 1] - state.base.y * UNIT
+        )
+        return [placements[i] for i in np.lexsort((distance, ways))]
 
     def _goal_placements(
         self, state: State, goal: GoalSites, number: int, rng: np.random.Generator

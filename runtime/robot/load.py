@@ -31,20 +31,21 @@ def built_in_robots() -> list[str]:
 
 
 def load_robot(name: str | Path) -> RobotModel:
-    """Load a robot by name (`tiago`) or by the path of its TOML file.
+    """Load a robot by its name or by the path of its TOML file.
 
     Raises:
         InputError: no such robot, or a file that does not describe one.
     """
     path = Path(name)
     if path.suffix != ".toml":
-        path = BUILT_IN / str(name) / f"{name}.toml"
-        if not path.is_file():
-            known = ", ".join(built_in_robots())
+        known = built_in_robots()
+        if str(name) not in known:
             raise InputError(
                 f"unknown robot {str(name)!r}",
-                hint=f"built in: {known}; or give the path of a robot file ending in .toml",
+                hint=f"built in: {', '.join(known)}; or give the path of a robot file "
+                "ending in .toml",
             )
+        path = BUILT_IN / str(name) / f"{name}.toml"
     table = read_toml(path)
     urdf_path = path.parent / table.text("urdf")
     urdf = read_urdf(urdf_path)
@@ -60,12 +61,21 @@ def _build(table: Table, urdf: Urdf, digest: str) -> RobotModel:
     fixed = table.table("fixed_joints", optional=True).all_numbers()
     gripper = table.table("gripper")
     finger_names = gripper.texts("finger_joints")
-    chain = urdf.chain(root, tip)
-    movable = [joint.name for joint in chain if joint.type != "fixed"]
-    if movable != list(names):
-        raise table.error("joints", f"the moving joints from {root} to {tip} are {movable}")
-    origins, tool, frames = _fold(urdf, root, chain, {**fixed, **dict.fromkeys(finger_names, 0.0)})
+    if root != urdf.root:
+        raise table.error("base_link", f"the link that all others hang on is {urdf.root!r}")
+    if tip not in urdf.boxes:
+        raise table.error("tool_link", f"the URDF has no link {tip!r}")
+    for name in fixed:
+        if all(name != joint.name for joint in urdf.joints.values()):
+            raise table.error("fixed_joints", f"the URDF has no joint {name!r}")
+    chain = urdf.chain(tip)
     moving = [joint for joint in chain if joint.type != "fixed"]
+    movable = [joint.name for joint in moving]
+    if not movable:
+        raise table.error("tool_link", f"no joint moves between {root!r} and {tip!r}")
+    if movable != list(names):
+        raise table.error("joints", f"the moving joints from {root!r} to {tip!r} are {movable}")
+    origins, tool, frames = _fold(urdf, chain, {**fixed, **dict.fromkeys(finger_names, 0.0)})
     boxes = tuple(
         PlacedBox(link, frame, Box(box.name, compose(pose, box.pose), box.half))
         for link, (frame, pose) in frames.items()
@@ -76,40 +86,48 @@ def _build(table: Table, urdf: Urdf, digest: str) -> RobotModel:
         raise table.error("home", f"{len(home)} values for {len(names)} joints")
     lower = np.array([joint.lower for joint in moving])
     upper = np.array([joint.upper for joint in moving])
-    if np.any(home < lower) or np.any(home > upper):
-        raise table.error("home", "outside the joint limits")
+    for joint, value in zip(moving, home, strict=True):
+        if not joint.lower <= value <= joint.upper:
+            raise table.error(
+                "home",
+                f"{joint.name} = {value:g} is outside its limits, "
+                f"{joint.lower:g} to {joint.upper:g}",
+            )
     base, workspace, strip = table.table("base"), table.table("workspace"), table.table("strip")
     centre = workspace.numbers("centre", 2)
+    inner, outer = workspace.number("inner"), workspace.positive("outer")
+    if not 0 <= inner < outer:
+        raise workspace.error("inner", "the annulus needs 0 <= inner < outer")
     return RobotModel(
         name=table.text("name"),
         joints=names,
         lower=lower,
         upper=upper,
         velocity=np.array([joint.velocity for joint in moving]),
-        acceleration=np.array(table.numbers("acceleration", len(names))),
+        acceleration=np.array(table.positives("acceleration", len(names))),
         chain=Chain(np.array(origins), np.array([j.type == "prismatic" for j in moving])),
         tool=tool,
         boxes=boxes,
         pairs=_pairs(boxes, table),
         gripper=_gripper(gripper, urdf, boxes, tool, finger_names),
         base=MobileBase(
-            base.number("velocity"),
-            base.number("acceleration"),
-            base.number("angular_velocity"),
-            base.number("angular_acceleration"),
+            base.positive("velocity"),
+            base.positive("acceleration"),
+            base.positive("angular_velocity"),
+            base.positive("angular_acceleration"),
         ),
         workspace=ArmWorkspace(
             (centre[0], centre[1]),
             workspace.number("wrist_offset"),
-            workspace.number("inner"),
-            workspace.number("outer"),
+            inner,
+            outer,
         ),
         strip=Strip(
-            strip.number("finger_back"),
-            strip.number("finger_tip"),
-            strip.number("finger_width"),
-            strip.number("arm_length"),
-            strip.number("arm_half_width"),
+            strip.positive("finger_back"),
+            strip.positive("finger_tip"),
+            strip.positive("finger_width"),
+            strip.positive("arm_length"),
+            strip.positive("arm_half_width"),
         ),
         home=home,
         ignored=frozenset(frozenset(pair) for pair in table.pairs("ignored_collisions")),
@@ -146,13 +164,13 @@ def _align_z(axis: np.ndarray) -> Pose:
 
 
 def _fold(
-    urdf: Urdf, root: str, chain: Sequence[Joint], fixed: dict[str, float]
+    urdf: Urdf, chain: Sequence[Joint], fixed: dict[str, float]
 ) -> tuple[list[Pose], Pose, dict[str, tuple[int, Pose]]]:
     """Fold fixed joints away: origins of the moving joints, tool pose in the last frame,
     and for every link the frame it moves with and its pose there."""
     origins: list[Pose] = []
     in_chain = {joint.child for joint in chain}
-    frames: dict[str, tuple[int, Pose]] = {root: (0, identity())}
+    frames: dict[str, tuple[int, Pose]] = {urdf.root: (0, identity())}
     for joint in chain:
         index, pose = frames[joint.parent]
         if joint.type == "fixed":
@@ -165,8 +183,6 @@ def _fold(
     pending = [joint for joint in urdf.joints.values() if joint.child not in in_chain]
     while pending:
         ready = [joint for joint in pending if joint.parent in frames]
-        if not ready:
-            break
         for joint in ready:
             index, pose = frames[joint.parent]
             value = fixed.get(joint.name, 0.0)
@@ -209,11 +225,15 @@ def _gripper(
             if placed.link == joint.child:
                 side = float((placed.box.pose[:, 3] - tool[:, 3]) @ tool[:, 1])
                 fingers.append((i, math.copysign(1.0, side)))
+    links = table.texts("links")
+    for link in links:
+        if link not in urdf.boxes:
+            raise table.error("links", f"the URDF has no link {link!r}")
     return Gripper(
         fingers=tuple(fingers),
         max_opening=opening,
-        clearance=table.number("clearance"),
-        time=table.number("time"),
-        links=frozenset(table.texts("links")),
+        clearance=table.positive("clearance"),
+        time=table.positive("time"),
+        links=frozenset(links),
         joints=tuple(finger_names),
     )

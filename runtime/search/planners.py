@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from runtime.search.siw_r import siw_r
+from runtime.search.siw_r import lazy_siiw_r, siw_r
 
-PLANNERS = {"siw-r": siw_r}
-DEFAULT = "siw-r"
+PLANNERS = {"lazy-siiw-r": lazy_siiw_r, "siw-r": siw_r}
+DEFAULT = "lazy-siiw-r"

@@ -3,6 +3,8 @@
 From a state s, IW looks for a closest state s' such that the pair (s, s') satisfies a rule,
 or for a goal state; then s := s', until the goal. A subproblem that fails is sampled anew,
 more densely; there is no backtracking across subproblems.
+
+Lazy-SIIW_R is the same loop around an IW that validates actions lazily.
 """
 
 from __future__ import annotations
@@ -14,8 +16,9 @@ import numpy as np
 
 from runtime.search.guide import Guide, Subgoal, Values
 from runtime.search.iw import Effort, iw
+from runtime.search.lazy_iw import LazyIW
 from runtime.search.limits import Limits, OutOfTimeError
-from runtime.search.problem import SearchProblem, State
+from runtime.search.problem import Action, Motion, SearchProblem, State, Subproblem
 from sketchlang.compile import CompiledSketch
 
 
@@ -35,6 +38,15 @@ class Outcome:
 Progress = Callable[[Subgoal, float], None]
 
 
+Step = tuple[Action, Motion, State]
+"""An action, its motion and the state after it."""
+
+Search = Callable[
+    [Guide, Subproblem, State, Values, int, Limits, Effort], "tuple[list[Step], str] | None"
+]
+"""Looks for a subgoal of a state: the steps to it and the rule that it satisfies."""
+
+
 def siw_r(
     sketch: CompiledSketch,
     problem: SearchProblem,
@@ -42,7 +54,62 @@ def siw_r(
     rng: np.random.Generator,
     progress: Progress | None = None,
 ) -> Outcome:
-    """Search a problem with a sketch. All randomness comes from `rng`."""
+    """SIW_R: every edge of every search is validated before the search goes on."""
+    return serialize(_eager, sketch, problem, limits, rng, progress)
+
+
+def lazy_siiw_r(
+    sketch: CompiledSketch,
+    problem: SearchProblem,
+    limits: Limits,
+    rng: np.random.Generator,
+    progress: Progress | None = None,
+) -> Outcome:
+    """Lazy-SIIW_R: only the actions of potential subplans are validated."""
+    return serialize(_lazy, sketch, problem, limits, rng, progress)
+
+
+def _eager(
+    guide: Guide,
+    subproblem: Subproblem,
+    start: State,
+    before: Values,
+    k: int,
+    limits: Limits,
+    effort: Effort,
+) -> tuple[list[Step], str] | None:
+    found = iw(guide, subproblem, start, before, k, limits, effort)
+    if found is None:
+        return None
+    node, rule = found
+    return [(n.action, n.motion, n.state) for n in node.path()], rule
+
+
+def _lazy(
+    guide: Guide,
+    subproblem: Subproblem,
+    start: State,
+    before: Values,
+    k: int,
+    limits: Limits,
+    effort: Effort,
+) -> tuple[list[Step], str] | None:
+    found = LazyIW(guide, subproblem, start, before, k, limits, effort).run()
+    if found is None:
+        return None
+    path, rule = found
+    return [(edge.action, edge.motion, edge.child.state) for edge in path], rule
+
+
+def serialize(
+    search: Search,
+    sketch: CompiledSketch,
+    problem: SearchProblem,
+    limits: Limits,
+    rng: np.random.Generator,
+    progress: Progress | None = None,
+) -> Outcome:
+    """Solve a problem subgoal by subgoal. All randomness comes from `rng`."""
     guide = Guide(sketch, problem)
     outcome = Outcome(state=problem.initial)
     try:
@@ -51,7 +118,7 @@ def siw_r(
             if guide.is_goal(values):
                 outcome.solved = True
                 return outcome
-            subgoal = _subgoal(guide, problem, outcome, values, limits, rng)
+            subgoal = _subgoal(search, guide, problem, outcome, values, limits, rng)
             if subgoal is None:
                 outcome.stuck = values
                 outcome.reason = _why(guide, values)
@@ -76,6 +143,7 @@ def schedule(limits: Limits) -> Iterator[tuple[int, int]]:
 
 
 def _subgoal(
+    search: Search,
     guide: Guide,
     problem: SearchProblem,
     outcome: Outcome,
@@ -88,20 +156,19 @@ def _subgoal(
         subproblem = problem.subproblem(outcome.state, attempt, rng)
         effort = Effort()
         try:
-            found = iw(guide, subproblem, outcome.state, values, k, limits, effort)
+            found = search(guide, subproblem, outcome.state, values, k, limits, effort)
         finally:
             outcome.effort.expanded += effort.expanded
             outcome.effort.generated += effort.generated
         if found is not None:
-            node, rule = found
-            path = node.path()
+            steps, rule = found
             return Subgoal(
                 rule=rule,
                 before=values,
-                after=guide.values(node.state),
-                actions=tuple(n.action for n in path),
-                motions=tuple(n.motion for n in path),
-                states=tuple(n.state for n in path),
+                after=guide.values(steps[-1][2]),
+                actions=tuple(action for action, _, _ in steps),
+                motions=tuple(motion for _, motion, _ in steps),
+                states=tuple(state for _, _, state in steps),
                 attempt=attempt,
                 width=k,
                 expanded=effort.expanded,

@@ -41,9 +41,8 @@ class Skeleton:
             for box in boxes
         ]
         self.order: list[Joint] = []
-        root = (set(urdf.boxes) - set(urdf.joints)).pop()
-        self.root = root
-        reached = {root}
+        self.root = urdf.root
+        reached = {self.root}
         pending = list(urdf.joints.values())
         while pending:
             ready = [joint for joint in pending if joint.parent in reached]

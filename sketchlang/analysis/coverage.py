@@ -7,7 +7,7 @@ rule does, a search for the next subgoal has only the goal itself to look for.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from sketchlang.analysis.bits import RuleBits, members, rule_bits
@@ -16,6 +16,7 @@ from sketchlang.analysis.cubes import (
     TooManyCubesError,
     Work,
     complement,
+    contains,
     covered,
     cubes_of,
     disjoint,
@@ -26,6 +27,9 @@ from sketchlang.model import SketchModel
 
 MOST_WORK = 10_000_000
 """Steps before coverage gives up: some seconds."""
+
+MOST_EXPLAINED = 100
+"""Gaps for which the obstacles are looked for."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,7 +113,7 @@ def find_coverage(model: SketchModel, most_work: int = MOST_WORK) -> Coverage:
         cubes, grouped = sorted(on, key=lambda cube: cube.known.bit_count()), False
     count = len(model.features)
     return Coverage(
-        gaps=tuple(Gap(cube, _obstacles(model, sets.rules, cube)) for cube in cubes),
+        gaps=tuple(_gaps(model, sets.rules, cubes)),
         dead=dead,
         grouped=grouped,
         uncovered=_size(on, count),
@@ -167,19 +171,20 @@ def _usable(rule: RuleBits, excluded: Sequence[Cube], work: Work) -> list[Cube]:
     return found
 
 
-def _obstacles(model: SketchModel, rules: Sequence[RuleBits], gap: Cube) -> tuple[Obstacle, ...]:
-    """Rules whose conditions hold in all of a gap."""
-    found = []
-    for rule in rules:
-        conditions = model.rules[rule.index].conditions
-        if any(
-            not gap.known >> f & 1 or bool(gap.bits >> f & 1) != wanted
-            for f, wanted in conditions.items()
-        ):
-            continue
-        missing = rule.falls & gap.known & ~gap.bits
-        if missing:
-            found.append(Obstacle(rule.index, next(members(missing))))
-        elif not rule.dead:
-            found.append(Obstacle(rule.index, None))
-    return tuple(found)
+def _gaps(model: SketchModel, rules: Sequence[RuleBits], cubes: Sequence[Cube]) -> Iterator[Gap]:
+    """Gaps with the rules whose conditions hold in all of them."""
+    conditions = [
+        Cube(sum(1 << f for f in rule.conditions), sum(v << f for f, v in rule.conditions.items()))
+        for rule in model.rules
+    ]
+    for number, gap in enumerate(cubes):
+        found = []
+        for rule in rules if number < MOST_EXPLAINED else ():
+            if not contains(conditions[rule.index], gap):
+                continue
+            missing = rule.falls & gap.known & ~gap.bits
+            if missing:
+                found.append(Obstacle(rule.index, next(members(missing))))
+            elif not rule.dead:
+                found.append(Obstacle(rule.index, None))
+        yield Gap(gap, tuple(found))

@@ -21,10 +21,13 @@ MOST_GAPS = 20
 MOST_WARNINGS = 3
 """Gaps that `check` warns of one by one."""
 
-MOST_DROPPED = 3
-"""Conditions that a proposed invariant may do without."""
+MOST_PREMISES = 5
+"""Conditions of a proposed invariant up to which weaker ones are tried."""
 
-CHECK_WORK = 200_000
+PROPOSAL_WORK = 20_000
+"""Steps of work to see whether a proposed invariant leaves other gaps."""
+
+CHECK_WORK = 40_000
 """Steps of work that `check` is ready to spend: well under a tenth of a second."""
 
 
@@ -184,25 +187,27 @@ def _invariant(model: SketchModel, gap: Gap) -> str:
     It is the weakest one that leaves no other gap, if there is one: to forbid a valuation
     may take the last rule from the valuations before it.
     """
-    known, bits = gap.cube
-    features = list(members(known))
+    features = list(members(gap.cube.known))
     if not features:
         return "invariant false"
     last = next((o.lowered for o in gap.obstacles if o.lowered in features), features[-1])
     assert last is not None
     rest = tuple(f for f in features if f != last)
-    for dropped in range(min(len(rest), MOST_DROPPED) + 1):
+    for dropped in range(len(rest) + 1 if len(rest) <= MOST_PREMISES else 0):
         for premise in combinations(rest, len(rest) - dropped):
-            parts = [Literal(f, not bits >> f & 1) for f in (*premise, last)]
-            formula = Or(tuple(parts)) if premise else parts[0]
-            invariants = (*model.invariants, Invariant(formula, ""))
-            try:
-                closed = not find_coverage(replace(model, invariants=invariants), CHECK_WORK).gaps
-            except TooManyCubesError:
-                closed = False
-            if closed:
+            if _closes(model, gap.cube, premise, last):
                 return _implication(model, gap.cube, premise, last)
     return _implication(model, gap.cube, rest, last)
+
+
+def _closes(model: SketchModel, where: Cube, premise: Sequence[int], last: int) -> bool:
+    """Whether nothing is left uncovered with the invariant `premise -> last is otherwise`."""
+    parts = tuple(Literal(f, not where.bits >> f & 1) for f in (*premise, last))
+    invariants = (*model.invariants, Invariant(Or(parts), ""))
+    try:
+        return not find_coverage(replace(model, invariants=invariants), PROPOSAL_WORK).gaps
+    except TooManyCubesError:
+        return False
 
 
 def _implication(model: SketchModel, where: Cube, premise: Sequence[int], last: int) -> str:

@@ -107,6 +107,7 @@ def fewest_hitting(sets: Sequence[int], work: Work) -> int:
     """A smallest set (as a mask) that meets all the given ones, none of which is empty."""
     minimal: list[int] = []
     for candidate in sets:
+        work.step(1 + len(minimal))
         if not any(smaller & ~candidate == 0 for smaller in minimal):
             minimal.append(candidate)
     best = 0
@@ -136,6 +137,7 @@ def fewest_cubes(on: Sequence[Cube], off: Sequence[Cube], work: Work) -> list[Cu
     chosen = list(dict.fromkeys(expanded(cube, off, work) for cube in on))
     # Leave out what the others cover, the most special ones first.
     for cube in sorted(chosen, key=lambda c: (-c.known.bit_count(), c)):
+        work.step(len(on) + len(chosen))
         others = [other for other in chosen if other != cube]
         if all(
             covered(part, others, work)

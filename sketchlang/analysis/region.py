@@ -98,8 +98,9 @@ def sorting_tree(
         bit = 1 << feature
         low = build([item for item in part if not item[0] & bit], position + 1, known | bit)
         high = build([item for item in part if item[0] & bit], position + 1, known | bit)
-        if low == high:
-            return low if low is not None else Node(feature, None, None)
+        # With the question left out, a leaf None below might no longer follow from its path.
+        if low == high and not _has_outside(low):
+            return low
         if high is _ELSEWHERE and not _has_outside(low):
             return low
         if low is _ELSEWHERE and not _has_outside(high):

@@ -8,6 +8,7 @@ only compare the two numbers with each other and with 0, so numbers up to 2 stan
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
+from functools import cache
 from itertools import product
 
 from sketchlang.check.report import Report
@@ -32,6 +33,13 @@ _RANGE = {Kind.BOOL: range(2), Kind.NAT: range(3)}
 _MAX_INVARIANT_FEATURES = 12
 
 
+MAX_COMPARED = 2000
+"""So many rules of a sketch are compared with each other, which takes half a second."""
+
+_PAIR_BITS = 9
+
+
+@cache
 def pairs(kind: Kind, condition: bool | None, effect: Effect | None) -> Pairs:
     """The changes that a rule with this condition and effect allows one feature."""
     return frozenset(
@@ -40,6 +48,11 @@ def pairs(kind: Kind, condition: bool | None, effect: Effect | None) -> Pairs:
         if condition is None or (before > 0) == condition
         if (before == after if effect is None else effect.allows(before, after))
     )
+
+
+@cache
+def _as_bits(allowed: Pairs) -> int:
+    return sum(1 << 3 * before + after for before, after in allowed)
 
 
 class Relations:
@@ -69,7 +82,6 @@ class Relations:
             }
             for rule in rules
         ]
-        self._unnamed = {kind: pairs(kind, None, None) for kind in Kind}
 
     def check(self, goal: Mapping[int, bool] | None, invariants: Sequence[Invariant]) -> None:
         """All checks, rule by rule."""
@@ -150,39 +162,46 @@ class Relations:
 
     def _subsumed(self, sensible: Sequence[int]) -> None:
         """Every rule that allows nothing that another one does not allow."""
-        for number in sensible:
-            for other in sensible:
-                if other == number or not self._covers(other, number):
+        compared = sensible[:MAX_COMPARED]
+        bits = {number: self._bits(number) for number in compared}
+        for number in compared:
+            narrow = bits[number]
+            for other in compared:
+                wide = bits[other]
+                if narrow | wide != wide or other == number:
                     continue
-                same = self._covers(number, other)
-                if same and other > number:
+                if narrow == wide and other > number:
                     continue
-                place, first = self.places[number], self.places[other]
-                name, general = self.rules[number].name, self.rules[other].name
-                code = "copied-rule" if same else "subsumed-rule"
-                message = (
-                    f"rule `{name}` says the same as rule `{general}`"
-                    if same
-                    else f"rule `{name}` allows nothing that rule `{general}` does not allow"
-                )
-                self.report.add(
-                    code,
-                    message,
-                    Label(place.source, place.name),
-                    Label(first.source, first.name, "the other rule"),
-                    hint="Remove one of them." if same else f"Remove `{name}`.",
-                )
+                self._tell_subsumed(number, other, narrow == wide)
                 break
 
-    def _covers(self, general: int, special: int) -> bool:
-        wide, narrow = self.pairs[general], self.pairs[special]
-        # A feature that only one of them names: it keeps its value in the other one.
-        return all(
-            allowed <= (wide[f] if f in wide else self._unnamed[self.features[f].kind])
-            for f, allowed in narrow.items()
-        ) and all(
-            f in narrow or self._unnamed[self.features[f].kind] <= allowed
-            for f, allowed in wide.items()
+    def _bits(self, number: int) -> int:
+        """The rule's pairs as one number, a bit for each pair of values of each feature.
+
+        A rule covers another one if it has all the bits that the other one has. A feature
+        that a rule does not name keeps its value there.
+        """
+        bits = 0
+        for f, feature in enumerate(self.features):
+            allowed = self.pairs[number].get(f)
+            if allowed is None:
+                allowed = pairs(feature.kind, None, None)
+            bits = bits << _PAIR_BITS | _as_bits(allowed)
+        return bits
+
+    def _tell_subsumed(self, number: int, other: int, same: bool) -> None:
+        place, first = self.places[number], self.places[other]
+        name, general = self.rules[number].name, self.rules[other].name
+        if same:
+            message = f"rule `{name}` says the same as rule `{general}`"
+        else:
+            message = f"rule `{name}` allows nothing that rule `{general}` does not allow"
+        self.report.add(
+            "copied-rule" if same else "subsumed-rule",
+            message,
+            Label(place.source, place.name),
+            Label(first.source, first.name, "the other rule"),
+            hint="Remove one of them." if same else f"Remove `{name}`.",
         )
 
 

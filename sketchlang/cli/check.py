@@ -12,12 +12,36 @@ from sketchlang.loader import Loaded, LoadError, domains_of_file, load_source, l
 FORMATS = ("full", "concise", "json", "github", "sarif")
 
 
+def findings(loaded: Loaded) -> list[Diagnostic]:
+    """All that `check` says of a sketch, in the order of the text."""
+    found = list(loaded.diagnostics)
+    if loaded.ok:
+        found.extend(further_warnings(loaded))
+    main = loaded.source.name
+    found.sort(key=lambda one: (one.primary.source.name != main, one.primary.span))
+    return found
+
+
 def further_warnings(loaded: Loaded) -> list[Diagnostic]:
     """Findings of analyses that only make sense for a sketch without errors."""
+    if not loaded.checked.model.rules:
+        return []
     from sketchlang.analysis.coverage_report import warnings
     from sketchlang.cli.common import Places, title
 
-    return warnings(loaded.checked.model, Places(loaded).source, title(loaded))
+    more = warnings(loaded.checked.model, Places(loaded).source, title(loaded))
+    return [one for one in more if one.code != "unusable-rule" or not _explained(one, loaded)]
+
+
+def _explained(unusable: Diagnostic, loaded: Loaded) -> bool:
+    """Whether it was said already why a rule can never be used."""
+    whole = unusable.primary
+    return any(
+        one.code in ("goal-rule", "rule-against-invariant")
+        and one.primary.source.name == whole.source.name
+        and whole.span.start <= one.primary.span.start < whole.span.end
+        for one in loaded.diagnostics
+    )
 
 
 @click.command("check")
@@ -53,11 +77,11 @@ def command(files: tuple[str, ...], domain_file: str | None, format_: str) -> No
             unreadable = True
             continue
         names.append(loaded.source.name)
-        found.extend(loaded.diagnostics)
-        if loaded.ok:
-            found.extend(further_warnings(loaded))
+        found.extend(findings(loaded))
     if names:
-        sys.stdout.write(rendered(found, names, format_))
+        from sketchlang.render import console
+
+        console.write(rendered(found, names, format_))
     if unreadable:
         raise SystemExit(2)
     if any(one.severity is Severity.ERROR for one in found):

@@ -23,6 +23,9 @@ R = TypeVar("R")
 INTERRUPTED = 130
 """Exit status after Ctrl-C, as shells have it."""
 
+DEEP = 20_000
+"""Calls within calls that proofs with very many steps may need."""
+
 domain_option = click.option(
     "--domain", "domain_file", metavar="FILE.py", help="A Python file with a domain."
 )

@@ -47,11 +47,11 @@ def _format(name: str, check: bool, diff: bool) -> str:
         return "failed"
     differs = formatted != source.text
     if diff:
-        sys.stdout.write(_diff(source, formatted))
+        console.write(_diff(source, formatted))
     if check and differs:
         click.echo(f"would change {source.name}", err=True)
     if name == "-" and not (check or diff):
-        sys.stdout.write(formatted)
+        console.write(formatted)
     elif differs and not (check or diff):
         try:
             Path(name).write_text(formatted, encoding="utf-8", newline="")

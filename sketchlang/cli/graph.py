@@ -48,7 +48,8 @@ def command(
     """
     model = load_valid(file, domain_file).checked.model
     from sketchlang.analysis.graph import dot, mermaid, svg
-    from sketchlang.analysis.graph.views import VIEWS, TooLargeError
+    from sketchlang.analysis.graph.drawing import TooLargeError
+    from sketchlang.analysis.graph.views import VIEWS
     from sketchlang.analysis.termination import decide_termination
 
     if format_ is None:
@@ -56,12 +57,11 @@ def command(
         if format_ is None:
             fail(f"{out}: no format has this suffix; add --format svg, dot or mermaid")
     verdict = decide_termination(model)
+    writers = {"svg": svg.write, "dot": dot.write, "mermaid": mermaid.write}
     try:
-        drawing = VIEWS[view](model, verdict)
+        text = writers[format_](VIEWS[view](model, verdict))
     except TooLargeError as error:
         fail(f"{model.name} has {error}; try --view rules")
-    writers = {"svg": svg.write, "dot": dot.write, "mermaid": mermaid.write}
-    text = writers[format_](drawing)
     if out is None:
         click.echo(text, nl=False)
     else:

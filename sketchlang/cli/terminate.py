@@ -9,6 +9,7 @@ import click
 
 from sketchlang import __version__
 from sketchlang.cli.common import (
+    DEEP,
     Places,
     domain_option,
     interruptible,
@@ -62,6 +63,7 @@ def command(
     from sketchlang.analysis.termination import Terminating, decide_termination
 
     model = loaded.checked.model
+    sys.setrecursionlimit(DEEP)
     started = time.perf_counter()
     verdict = decide_termination(model, Budget(time_limit, memory_limit))
     seconds = time.perf_counter() - started

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import click
 
-from sketchlang.cli.common import domain_option, fail, interruptible, load_valid
+from sketchlang.cli.common import DEEP, domain_option, fail, interruptible, load_valid
 from sketchlang.model import SketchModel
 
 
@@ -37,6 +37,7 @@ def command(*, certificate: str, file: str, as_json: bool, domain_file: str | No
     except OSError as error:
         fail(f"{certificate}: {error.strerror or error}")
     model = load_valid(file, domain_file).checked.model
+    sys.setrecursionlimit(DEEP)
     reason = _reason(data, model)
     if as_json:
         found = {"valid": reason is None, "sketch": model.name, "reason": reason}

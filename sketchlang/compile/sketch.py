@@ -9,9 +9,10 @@ from typing import Any
 from sketchlang.check.checker import CheckedSketch
 from sketchlang.compile.closures import Compiler, Layout
 from sketchlang.compile.errors import BrokenPromiseError, EvaluationError
+from sketchlang.compile.invariants import truth
 from sketchlang.compile.seam import Frame, Run
 from sketchlang.diagnostics import Diagnostic, Label
-from sketchlang.model import Kind, SketchModel, holds
+from sketchlang.model import Kind, SketchModel
 from sketchlang.source import Span
 
 CAREFUL_STATES = 8
@@ -109,7 +110,7 @@ def _evaluator(
     empty: Frame = [None] * layout.size
     first = layout.first_feature
     end = first + len(model.features)
-    invariants = model.invariants
+    invariants = [(truth(invariant.formula), invariant.text) for invariant in model.invariants]
     memories = layout.memories
 
     def evaluate(state: Any) -> tuple[int, ...]:
@@ -124,9 +125,9 @@ def _evaluator(
         except Exception as error:
             raise _failure(checked, slot - first, error, state) from error
         values = tuple(frame[first:end])
-        for invariant in invariants:
-            if not holds(invariant.formula, values):
-                raise _violation(model, invariant.text, values, state)
+        for holds, text in invariants:
+            if not holds(values):
+                raise _violation(model, text, values, state)
         return values
 
     return evaluate

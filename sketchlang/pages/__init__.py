@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
 
-FILES = ("syntax", "names", "types", "rules", "running")
+FILES = ("syntax", "names", "types", "rules", "coverage", "running")
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 from collections.abc import Sequence
 
 from sketchlang.diagnostics import Diagnostic, Severity
@@ -13,6 +14,15 @@ def wants_colour(stream: object) -> bool:
     """Colours are for terminals whose user did not ask for none (no-color.org)."""
     isatty = getattr(stream, "isatty", None)
     return bool(isatty and isatty() and not os.environ.get("NO_COLOR"))
+
+
+def write(text: str) -> None:
+    """Print to standard output, also where its encoding does not have all the characters."""
+    try:
+        sys.stdout.write(text)
+    except UnicodeEncodeError:
+        encoding = sys.stdout.encoding or "ascii"
+        sys.stdout.write(text.encode(encoding, errors="backslashreplace").decode(encoding))
 
 
 def summary(diagnostics: Sequence[Diagnostic], files: Sequence[str]) -> str:

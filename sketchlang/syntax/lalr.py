@@ -29,6 +29,7 @@ class StuckError(Exception):
         self.state = state
         self.token = token
         self.expected = expected
+        self.previous: Token | None = None
 
 
 class TooDeepError(Exception):
@@ -44,8 +45,12 @@ def parse_item(tokens: Sequence[Token], actions: Mapping[str, Action]) -> Any:
     states = [START]
     values: list[Any] = []
     spans: list[tuple[int, int]] = []
-    for token in tokens:
-        _reduce(token, states, values, spans, actions)
+    for number, token in enumerate(tokens):
+        try:
+            _reduce(token, states, values, spans, actions)
+        except StuckError as stuck:
+            stuck.previous = tokens[number - 1] if number else None
+            raise
         states.append(ACTIONS[states[-1]][token.kind])
         values.append(token)
         spans.append((token.start, token.end))

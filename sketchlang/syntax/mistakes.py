@@ -170,7 +170,7 @@ def explain(stuck: StuckError) -> Mistake:
         )
     code = MISTAKES.get((stuck.state, token.kind))
     if code is None:
-        return Mistake("syntax-error", _expected(stuck), span, _foreign(token))
+        return Mistake("syntax-error", _expected(stuck), span, _foreign(stuck))
     message, hint = MESSAGES[code]
     found = describe(token)
     if code == "unknown-type":
@@ -201,6 +201,10 @@ def _expected(stuck: StuckError) -> str:
     return f"expected {listed}, found {describe(stuck.token)}"
 
 
-def _foreign(token: Token) -> str | None:
-    meant = FOREIGN.get(token.text)
-    return f"Did you mean `{meant}`?" if meant else None
+def _foreign(stuck: StuckError) -> str | None:
+    """A word of another language, at the place or just before it."""
+    for token in (stuck.token, stuck.previous):
+        meant = FOREIGN.get(token.text) if token is not None else None
+        if token is not None and meant:
+            return f"Write `{meant}` for `{token.text}`."
+    return None

@@ -17,7 +17,7 @@ from sketchlang.syntax.lexer import ERROR, UNCLOSED_STRING, Token, tokenize
 from sketchlang.syntax.mistakes import ITEM_KINDS, ITEMS, Mistake, describe, explain
 from sketchlang.syntax.tree import Broken, Item, Name, Tree
 
-MAX_CHARACTERS = 128 * 1024
+MAX_CHARACTERS = 100_000
 """Length of the longest text that is read; learned sketches stay far below."""
 
 MAX_MISTAKES = 100

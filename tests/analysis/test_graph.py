@@ -8,12 +8,12 @@ from itertools import combinations
 import pytest
 
 from sketchlang.analysis.graph import dot, mermaid, svg
-from sketchlang.analysis.graph.drawing import Drawing, Look
+from sketchlang.analysis.graph.drawing import Drawing, Look, TooLargeError
 from sketchlang.analysis.graph.layout import lay_out
 from sketchlang.analysis.graph.removal import Removal
-from sketchlang.analysis.graph.views import VIEWS, TooLargeError
+from sketchlang.analysis.graph.views import VIEWS
 from sketchlang.analysis.termination import Terminating, decide_termination
-from sketchlang.model import Feature, Kind, Rule, SketchModel
+from sketchlang.model import Effect, Feature, Kind, Rule, SketchModel
 from tests.analysis.known import KNOWN
 from tests.analysis.random_sketches import random_sketch
 from tests.analysis.reference import policy_graph
@@ -108,6 +108,10 @@ def test_too_large_sketches_are_refused() -> None:
         with pytest.raises(TooLargeError):
             draw(sketch, view)
     assert draw(sketch, "rules").boxes
+    features = tuple(Feature(f"n{i}", Kind.NAT) for i in range(7))
+    anything = Rule("r", {}, dict.fromkeys(range(7), Effect.ANY))
+    with pytest.raises(TooLargeError):
+        svg.write(draw(SketchModel("dense", features, (anything,)), "policy"))
 
 
 def test_boxes_and_labels_do_not_overlap() -> None:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import io
+import os
+import subprocess
 import sys
 from pathlib import Path
 
@@ -11,6 +13,7 @@ from click.testing import CliRunner, Result
 
 from sketchlang.cli import cli
 
+ROOT = Path(__file__).parents[2]
 GOOD = "sketch s\nfeature n : nat\ngoal { n = 0 }\nrule r { n > 0 } -> { n-- }\n"
 UGLY = "sketch   s\n\n\nfeature n:nat # the number\ngoal{n=0}\nrule r{n>0}↦{n↓}"
 NEAT = "sketch s\n\nfeature n : nat  # the number\ngoal { n = 0 }\nrule r { n > 0 } -> { n-- }\n"
@@ -154,3 +157,16 @@ def test_no_colour_without_a_terminal(here: Path, monkeypatch: pytest.MonkeyPatc
     monkeypatch.setenv("NO_COLOR", "1")
     assert not console.wants_colour(Terminal())
     assert sys.stdout is not None
+
+
+def test_a_terminal_without_the_characters(here: Path) -> None:
+    (here / "t.sketch").write_text("sketch größe\n", encoding="utf-8")
+    done = subprocess.run(
+        [sys.executable, "-c", "from sketchlang.cli import main; main()", "check", "t.sketch"],
+        capture_output=True,
+        env={**os.environ, "PYTHONIOENCODING": "ascii", "PYTHONPATH": str(ROOT)},
+        check=False,
+    )
+    assert done.returncode == 1
+    assert rb"gr\xf6\xdfe" in done.stdout
+    assert done.stderr == b""

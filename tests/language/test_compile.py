@@ -8,11 +8,14 @@ from typing import Any
 
 import pytest
 from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from sketchlang.compile import CompiledSketch, EvaluationError, compile_sketch, obstacles
+from sketchlang.compile.invariants import truth
 from sketchlang.compile.sketch import CAREFUL_STATES
 from sketchlang.domain import Domain, Nat
 from sketchlang.loader import load_text
+from sketchlang.model import And, Formula, Literal, Not, Or, holds
 from sketchlang.source import Source
 from tests.language import toy
 from tests.language.naive import Interpreter
@@ -235,3 +238,18 @@ def test_atoms() -> None:
 
     sketch = compiled("use atomic\natoms place", domain)
     assert [list(family(3)) for family in sketch.atoms] == [[("place", 3)]]
+
+
+formulas: st.SearchStrategy[Formula] = st.recursive(
+    st.builds(Literal, st.integers(0, 3), st.booleans()),
+    lambda inner: (
+        st.builds(Not, inner)
+        | st.builds(And, st.lists(inner, max_size=3).map(tuple))
+        | st.builds(Or, st.lists(inner, max_size=3).map(tuple))
+    ),
+)
+
+
+@given(formulas, st.tuples(*[st.integers(0, 2)] * 4))
+def test_compiled_formulas(formula: Formula, values: tuple[int, ...]) -> None:
+    assert truth(formula)(values) == holds(formula, values)

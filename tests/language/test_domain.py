@@ -164,6 +164,7 @@ def test_a_domain_in_a_file(tmp_path: Path) -> None:
         ("x = 1", "declares no domain"),
         ("x = 1 / 0", r"broken.py:1: ZeroDivisionError"),
         ("\nx = (", r"broken.py:2: SyntaxError"),
+        ("raise SystemExit(0)", "broken.py:1: SystemExit"),
         ("import no_such_module_at_all", "broken.py:1: ModuleNotFoundError"),
         ("from sketchlang.domain import *\nDomain('d').sort(list)", "not hashable"),
     ],

@@ -83,6 +83,12 @@ def test_nesting_by_definitions() -> None:
     assert codes == ["nested-too-deeply"]
 
 
+def _different_rule(number: int) -> str:
+    """Rules few of which cover another one: five conditions each."""
+    chosen = sorted(random.Random(number).sample(range(16), 5))
+    return f"rule r{number} {{{','.join(f'a{i}>0' for i in chosen)}}}->{{a{chosen[0]}--}}\n"
+
+
 @pytest.mark.parametrize(
     "text",
     [
@@ -94,6 +100,9 @@ def test_nesting_by_definitions() -> None:
         "feature n : nat\n" * (FULL // 16),
         "".join(f"feature n{i} : nat = n{i + 1}\n" for i in range(3000)),
         "".join(f"rule r{i} {{ a }} -> {{ b }}\n" for i in range(1000)),
+        "feature a : nat\n" + "".join(f"rule r{i} {{a>0}}->{{a--}}\n" for i in range(FULL // 24)),
+        "".join(f"feature a{i} : nat\n" for i in range(16))
+        + "".join(_different_rule(i) for i in range(2000)),
         "feature\n" * (FULL // 8),
         "feature n : nat = 9" + "9" * (FULL - 50),
         "# " + "c" * FULL,

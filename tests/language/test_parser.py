@@ -122,3 +122,8 @@ def test_both_spellings() -> None:
     a, b = (parse(Source("t", text)) for text in (ascii_text, signs))
     assert a[1] == b[1] == []
     assert bare(a[0].items) == bare(b[0].items)
+
+
+def test_words_of_other_languages() -> None:
+    (found,) = parse(Source("t", "feature p : bool = exists x in s: f(x)"))[1]
+    assert found.hint == "Write `some` for `exists`."

@@ -27,10 +27,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from sketchlang.cli.check import findings
 from sketchlang.compile import compile_sketch
 from sketchlang.domain import Domain
 from sketchlang.loader import Loaded, domains_of_file, load_source, load_text
-from sketchlang.render import console, full
+from sketchlang.render import console
 
 ROOT = Path(__file__).resolve().parents[2]
 _FENCE = re.compile(r"^```(\w+)(?: (\S+))?$")
@@ -102,7 +103,7 @@ def run(section: Section, directory: Path) -> None:
         if block.kind == "sketch" and block.name:
             (directory / block.name).write_text(block.text, encoding="utf-8")
             continue
-        if block.kind != "output" and pending and loaded:
+        if block.kind not in ("output", "format") and pending and loaded:
             check_comments(loaded, pending)
             pending = None
         match block.kind:
@@ -121,6 +122,7 @@ def run(section: Section, directory: Path) -> None:
 
                 assert loaded, "a format block needs a sketch before it"
                 _expect(block, format_source(loaded.source))
+                pending = None
             case "map":
                 scene = block.text
             case "values":
@@ -140,9 +142,9 @@ def _expect(block: Block, actual: str) -> None:
 
 def output(loaded: Loaded) -> str:
     """What `sketchlang check` prints, with paths of this checkout made relative to it."""
-    parts = [full.render(found) + "\n" for found in loaded.diagnostics]
-    parts.append(console.summary(loaded.diagnostics, [loaded.source.name]))
-    text = "\n".join(parts).replace(f"{ROOT}/", "")
+    found = findings(loaded)
+    text = console.render(found, [loaded.source.name], colour=False)
+    text = text.replace(f"{ROOT}/", "")
     return "\n".join(line.rstrip() for line in text.splitlines()) + "\n"
 
 
@@ -153,7 +155,7 @@ def check_comments(loaded: Loaded, block: Block) -> None:
         for severity, code, text in _EXPECTED.findall(line):
             expected.append((number, severity, code, text))
     actual = []
-    for found in loaded.diagnostics:
+    for found in findings(loaded):
         row = found.primary.source.position(found.primary.span.start)[0]
         actual.append((row, found.severity.value, found.code, found.message))
     fits = len(expected) == len(actual) and all(

@@ -6,6 +6,10 @@ from dataclasses import dataclass
 from enum import Enum
 
 
+class TooLargeError(Exception):
+    """The sketch has too much of something for this view; the text says what."""
+
+
 class Look(Enum):
     """What a box stands for."""
 

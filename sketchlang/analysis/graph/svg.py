@@ -6,7 +6,7 @@ import itertools
 from collections.abc import Sequence
 from html import escape
 
-from sketchlang.analysis.graph.drawing import Arrow, Box, Drawing, Look, colour
+from sketchlang.analysis.graph.drawing import Arrow, Box, Drawing, Look, TooLargeError, colour
 from sketchlang.analysis.graph.layout import Chain, Item, lay_out
 
 FONT = 12
@@ -21,11 +21,16 @@ LOOP = 30.0
 MOST_LABELS = 40
 """Arrows up to which each has its label; above, only colours and tooltips are readable."""
 
+MOST_ARROWS = 2000
+"""Arrows up to which a layout is made: nobody could follow more."""
+
 _FILLS = {Look.PLAIN: "#ffffff", Look.GOAL: "#d9f2d9", Look.GAP: "#fde0d9"}
 
 
 def write(drawing: Drawing) -> str:
-    """The drawing as a complete SVG document."""
+    """The drawing as a complete SVG document. Raises `TooLargeError` for too many arrows."""
+    if len(drawing.arrows) > MOST_ARROWS:
+        raise TooLargeError(f"{len(drawing.arrows):,} arrows in this view")
     number = {box.key: i for i, box in enumerate(drawing.boxes)}
     ends = [(number[arrow.source], number[arrow.target]) for arrow in drawing.arrows]
     with_labels = len(drawing.arrows) <= MOST_LABELS

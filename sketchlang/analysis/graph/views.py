@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 
 from sketchlang.analysis.bits import rule_bits, subsets
 from sketchlang.analysis.cubes import Cube, Work, fewest_cubes
-from sketchlang.analysis.graph.drawing import Arrow, Box, Drawing, Look
+from sketchlang.analysis.graph.drawing import Arrow, Box, Drawing, Look, TooLargeError
 from sketchlang.analysis.graph.removal import Removal
 from sketchlang.analysis.region import Outside
 from sketchlang.analysis.termination import NonTerminating, Terminating, Verdict
@@ -21,10 +21,6 @@ MOST_LINES = 3
 """Cubes by which a group of valuations is described."""
 
 Edge = tuple[int, int, int]
-
-
-class TooLargeError(Exception):
-    """The sketch has too many features for this view."""
 
 
 class _PolicyGraph:

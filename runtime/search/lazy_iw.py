@@ -1,0 +1,223 @@
+"""Incremental IW(k) with lazy validation (paper, Optimizations).
+
+Edges of the search graph are provisional: X is asked about an action only when it is part of
+a potential subplan. An edge that fails is removed and the search goes on from where it was.
+For this
+ 1. all discovered edges are kept, so a node can have several parents; the one nearest to the
+    root acts as the parent,
+ 2. the atoms of every generated node are recorded, also those of pruned nodes,
+ 3. an atom is supported by one main node; later nodes with it are backup candidates,
+ 4. a node that is cut off from the root no longer supports its atoms; an atom without any
+    supporter is new again, and
+ 5. a pruned node that is the next backup of such an atom is recovered.
+"""
+
+from __future__ import annotations
+
+import heapq
+from collections import defaultdict
+from collections.abc import Hashable, Iterator
+from dataclasses import dataclass, field
+from itertools import combinations
+
+from runtime.search.guide import Guide, Values
+from runtime.search.iw import Effort
+from runtime.search.limits import Limits
+from runtime.search.problem import Action, Motion, State, Subproblem
+
+
+@dataclass(eq=False)
+class Edge:
+    """An action between two nodes; `motion` is None as long as it is provisional."""
+
+    parent: LazyNode
+    child: LazyNode
+    action: Action
+    motion: Motion = None
+
+
+@dataclass(eq=False)
+class LazyNode:
+    """A state, the live edges that lead to it and away from it, and what became of it."""
+
+    state: State
+    tuples: tuple[Hashable, ...]
+    rule: str | None = None
+    parents: list[Edge] = field(default_factory=list)
+    children: list[Edge] = field(default_factory=list)
+    depth: int = 0
+    connected: bool = True
+    queued: bool = False
+    expanded: bool = False
+
+
+class LazyIW:
+    """One IW(k) search for a subgoal of `start`; `run` may find none."""
+
+    def __init__(
+        self,
+        guide: Guide,
+        subproblem: Subproblem,
+        start: State,
+        before: Values,
+        k: int,
+        limits: Limits,
+        effort: Effort,
+    ) -> None:
+        self.guide = guide
+        self.subproblem = subproblem
+        self.before = before
+        self.k = k
+        self.limits = limits
+        self.effort = effort
+        self.supporters: defaultdict[Hashable, list[LazyNode]] = defaultdict(list)
+        self.queue: list[tuple[int, int, LazyNode]] = []
+        self.pushed = 0
+        self.root = LazyNode(start, self._tuples(start))
+        self.nodes: dict[State, LazyNode] = {start: self.root}
+        self._support(self.root)
+        self._push(self.root)
+
+    def run(self) -> tuple[list[Edge], str] | None:
+        """A validated path of edges to a subgoal and the rule that it satisfies, or None.
+
+        Raises:
+            OutOfTimeError: when the limits say so.
+        """
+        while self.queue:
+            _, _, node = heapq.heappop(self.queue)
+            node.queued = False
+            if not node.connected or node.expanded:
+                continue
+            node.expanded = True
+            self.effort.expanded += 1
+            for child in self._expand(node):
+                path = self._validated_path(child)
+                if path is not None:
+                    assert child.rule is not None
+                    return path, child.rule
+                if not node.connected:
+                    break
+        return None
+
+    # -- the search graph ------------------------------------------------------------------
+
+    def _expand(self, node: LazyNode) -> Iterator[LazyNode]:
+        """Generate the children of a node; yields those that are subgoals."""
+        for action, state in self.subproblem.actions(node.state):
+            self.effort.generated += 1
+            child = self.nodes.get(state)
+            known = child is not None
+            if child is None:
+                child = LazyNode(state, self._tuples(state), depth=node.depth + 1)
+                child.rule = self.guide.fired(self.before, self.guide.values(state))
+                self.nodes[state] = child
+            edge = Edge(node, child, action)
+            node.children.append(edge)
+            child.parents.append(edge)
+            if not known:
+                if self._support(child):
+                    self._push(child)
+                if child.rule is not None:
+                    yield child
+            elif not child.connected:
+                self._reconnect()
+                if child.rule is not None:
+                    yield child
+
+    def _push(self, node: LazyNode) -> None:
+        if not node.queued and not node.expanded:
+            node.queued = True
+            self.pushed += 1
+            heapq.heappush(self.queue, (node.depth, self.pushed, node))
+
+    def _cut(self, edge: Edge) -> None:
+        """Remove an edge whose action is not executable, and what hangs on it alone."""
+        edge.parent.children.remove(edge)
+        edge.child.parents.remove(edge)
+        self._reconnect()
+
+    def _reconnect(self) -> None:
+        """Find anew which nodes hang together with the root, and how deep; then repair
+        the support of atoms."""
+        before = [node for node in self.nodes.values() if node.connected]
+        for node in self.nodes.values():
+            node.connected = False
+        self.root.connected = True
+        layer = [self.root]
+        while layer:
+            following = []
+            for node in layer:
+                for edge in node.children:
+                    child = edge.child
+                    if not child.connected:
+                        child.connected = True
+                        child.depth = node.depth + 1
+                        following.append(child)
+            layer = following
+        for node in before:
+            if not node.connected:
+                for item in node.tuples:
+                    self._recover(item)
+        for node in self.nodes.values():
+            if node.connected and not node.expanded and self._is_main(node):
+                self._push(node)
+
+    # -- novelty -----------------------------------------------------------------------------
+
+    def _tuples(self, state: State) -> tuple[Hashable, ...]:
+        atoms = self.guide.atoms(state)
+        if self.k == 1:
+            return atoms
+        return tuple(c for size in range(1, self.k + 1) for c in combinations(atoms, size))
+
+    def _support(self, node: LazyNode) -> bool:
+        """Record the atoms of a node; whether it is the main supporter of one of them."""
+        novel = False
+        for item in node.tuples:
+            supporters = self.supporters[item]
+            novel |= not any(other.connected for other in supporters)
+            supporters.append(node)
+        return novel
+
+    def _is_main(self, node: LazyNode) -> bool:
+        return any(self._main(item) is node for item in node.tuples)
+
+    def _main(self, item: Hashable) -> LazyNode | None:
+        return next((node for node in self.supporters[item] if node.connected), None)
+
+    def _recover(self, item: Hashable) -> None:
+        """Let the next backup candidate of an atom into the search."""
+        backup = self._main(item)
+        if backup is not None:
+            self._push(backup)
+
+    # -- validation ----------------------------------------------------------------------------
+
+    def _validated_path(self, goal: LazyNode) -> list[Edge] | None:
+        """Ask X about the actions on a shortest path to a node, again and again while some
+        fail and there is another path."""
+        while goal.connected:
+            path = self._path(goal)
+            for edge in path:
+                if edge.motion is None:
+                    self.limits.check()
+                    edge.motion = self.subproblem.execute(edge.parent.state, edge.action)
+                    if edge.motion is None:
+                        self._cut(edge)
+                        break
+            else:
+                return path
+        return None
+
+    def _path(self, goal: LazyNode) -> list[Edge]:
+        path: list[Edge] = []
+        node = goal
+        while node is not self.root:
+            edge = min(
+                (edge for edge in node.parents if edge.parent.connected),
+                key=lambda edge: edge.parent.depth,
+            )
+            path.append(edge)
+            node = edge.parent
+        return path[::-1]

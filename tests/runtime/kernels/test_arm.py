@@ -1,0 +1,214 @@
+"""Kinematics against PyBullet, collision against FCL."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from runtime.kernels import arm
+from runtime.motion.arm_context import ArmContext
+from runtime.robot import load
+from runtime.robot.model import RobotModel
+from runtime.robot.urdf import Box
+from tests.runtime import reference
+from tests.runtime.reference import Floats, along, arm_distance, arm_touches, random_uprights
+
+HELD = Box("held", np.column_stack([np.eye(3), [0.0, 0.0, 0.02]]), np.array([0.02, 0.02, 0.1]))
+BODIES = pytest.mark.parametrize("held", [None, HELD], ids=["open", "holding"])
+
+
+def random_q(robot: RobotModel, rng: np.random.Generator) -> Floats:
+    return rng.uniform(robot.lower, robot.upper)
+
+
+def frames_of(robot: RobotModel, q: Floats) -> Floats:
+    frames = np.empty((len(q) + 1, 3, 4))
+    arm.forward(*robot.chain, q, frames)
+    return frames
+
+
+@pytest.fixture(scope="module")
+def bullet(robot: RobotModel) -> Iterator[Callable[[Floats], dict[str, Floats]]]:
+    """Poses (3, 4) of all links, by PyBullet from the same URDF."""
+    pybullet = pytest.importorskip("pybullet")
+    client = pybullet.connect(pybullet.DIRECT)
+    urdf = Path(load.BUILT_IN) / robot.name / f"{robot.name}.urdf"
+    body = pybullet.loadURDF(str(urdf), useFixedBase=True, physicsClientId=client)
+    infos = [
+        pybullet.getJointInfo(body, i, physicsClientId=client)
+        for i in range(pybullet.getNumJoints(body, physicsClientId=client))
+    ]
+    number = {info[1].decode(): i for i, info in enumerate(infos)}
+    link = {info[12].decode(): i for i, info in enumerate(infos)}
+
+    def poses(q: Floats) -> dict[str, Floats]:
+        for name, value in zip(robot.joints, q, strict=True):
+            pybullet.resetJointState(body, number[name], float(value), physicsClientId=client)
+        found = {}
+        for name, i in link.items():
+            state = pybullet.getLinkState(
+                body, i, computeForwardKinematics=True, physicsClientId=client
+            )
+            rotation = np.array(pybullet.getMatrixFromQuaternion(state[5])).reshape(3, 3)
+            found[name] = np.column_stack([rotation, state[4]])
+        return found
+
+    yield poses
+    pybullet.disconnect(client)
+
+
+def test_forward_kinematics_agrees_with_pybullet(robot, bullet, rng) -> None:
+    for _ in range(100):
+        q = random_q(robot, rng)
+        assert robot.tool_pose(q) == pytest.approx(bullet(q)[robot.urdf_tool], abs=1e-6)
+
+
+def test_forward_kinematics_agrees_with_its_plain_twin(robot, rng) -> None:
+    for _ in range(50):
+        q = random_q(robot, rng)
+        expected = np.array(reference.forward(robot.chain, q))[:, :3]
+        assert frames_of(robot, q) == pytest.approx(expected, abs=1e-12)
+
+
+@BODIES
+def test_boxes_are_placed_as_by_the_plain_twin(robot, held, rng) -> None:
+    body = robot.body(0.05, held)
+    q = random_q(robot, rng)
+    placed = np.empty((len(body.frame), 3, 4))
+    arm.place_boxes(frames_of(robot, q), body.frame, body.pose, placed)
+    assert placed == pytest.approx(np.array(reference.placed_boxes(robot.chain, body, q)))
+
+
+def test_jacobian_agrees_with_finite_differences(robot, rng) -> None:
+    step = 1e-6
+    for _ in range(30):
+        q = random_q(robot, rng)
+        tool = robot.tool_pose(q)
+        found = np.empty((6, len(q)))
+        arm.jacobian(frames_of(robot, q), robot.chain.prismatic, tool[:, 3].copy(), found)
+        for k in range(len(q)):
+            moved = q.copy()
+            moved[k] += step
+            after = robot.tool_pose(moved)
+            velocity = (after[:, 3] - tool[:, 3]) / step
+            spin = (after[:, :3] @ tool[:, :3].T - np.eye(3)) / step
+            angular = np.array([spin[2, 1], spin[0, 2], spin[1, 0]])
+            assert found[:, k] == pytest.approx([*velocity, *angular], abs=1e-5)
+
+
+@BODIES
+def test_every_contact_that_fcl_sees_is_a_collision(robot, held, rng) -> None:
+    body = robot.body(0.05, held)
+    world = random_uprights(rng, 8, 1.2)
+    context = ArmContext(robot, body, world)
+    touching = 0
+    for _ in range(150):
+        q = random_q(robot, rng)
+        if arm_touches(robot.chain, body, world, q):
+            touching += 1
+            assert context.collides(q, 0.0)
+    assert touching
+
+
+@BODIES
+def test_a_collision_is_at_most_the_margin_away(robot, held, rng) -> None:
+    body = robot.body(0.05, held)
+    context = ArmContext(robot, body, random_uprights(rng, 3, 1.2))
+    margin = 0.01
+    hits = 0
+    for _ in range(150):
+        q = random_q(robot, rng)
+        if context.collides(q, margin):
+            hits += 1
+            gap = arm_distance(robot.chain, body, context.world, q)
+            assert gap <= math.sqrt(3.0) * margin + 1e-5
+    assert 0 < hits < 150
+
+
+def test_the_robot_does_not_collide_in_its_home_posture(robot) -> None:
+    for opening in (0.0, robot.gripper.max_opening):
+        context = ArmContext(robot, robot.body(opening), np.empty((0, 8)))
+        assert not context.collides(robot.home)
+        assert not arm_touches(robot.chain, context.body, context.world, robot.home)
+
+
+def test_boxes_of_the_base_meet_the_world_in_body_collides_only(robot) -> None:
+    world = np.array([reference.upright_row(np.array([0.0, 0.0, 0.1]), np.full(3, 0.05), 0.0)])
+    body = robot.body(0.05)
+    placed = np.array(reference.placed_boxes(robot.chain, body, robot.home))
+    assert arm.body_collides(placed, body.half, body.radius, world, 0.0)
+    assert not ArmContext(robot, body, world).collides(robot.home)
+
+
+@BODIES
+def test_paths_that_pass_keep_half_the_margin_in_between(robot, held, rng) -> None:
+    body = robot.body(0.05, held)
+    margin = 0.01
+    free = 0
+    for _ in range(25):
+        context = ArmContext(robot, body, random_uprights(rng, 4, 1.2))
+        path = np.array([random_q(robot, rng) for _ in range(2)])
+        path[1] = path[0] + (path[1] - path[0]) * rng.uniform(0.02, 0.4)
+        if context.path_is_free(path, margin):
+            free += 1
+            for q in along(path, 25):
+                gap = arm_distance(robot.chain, body, context.world, q)
+                assert gap >= margin / 2 - 1e-5
+    assert free
+
+
+@BODIES
+def test_paths_are_refused_for_something_within_reach_of_the_margin(robot, held, rng) -> None:
+    body = robot.body(0.05, held)
+    margin = 0.01
+    refused = 0
+    for _ in range(12):
+        context = ArmContext(robot, body, random_uprights(rng, 2, 1.0))
+        path = np.array([random_q(robot, rng), random_q(robot, rng)])
+        path[1] = path[0] + (path[1] - path[0]) * 0.2
+        if not context.path_is_free(path, margin):
+            refused += 1
+            gaps = [
+                arm_distance(robot.chain, body, context.world, q) for q in along(path, 200)
+            ]
+            assert min(gaps) <= math.sqrt(3.0) * margin + 0.005
+    assert refused
+
+
+def test_the_segment_that_collides_is_named(robot) -> None:
+    body = robot.body(0.05)
+    nudge = np.zeros(len(robot.home))
+    nudge[1] = 0.5
+    tool = robot.tool_pose(robot.home + nudge)
+    world = np.array([reference.upright_row(tool[:, 3], np.full(3, 0.02), 0.0)])
+    free = robot.home - 0.2 * nudge
+    path = np.array([free, robot.home - 0.1 * nudge, free, robot.home + nudge])
+    context = ArmContext(robot, body, world)
+    found = arm.path_collides(
+        *robot.chain, *body, context.world, 0.004, robot.sweep, path
+    )
+    assert found == 2
+
+
+@BODIES
+def test_sweep_bounds_how_far_each_box_moves(robot, held, rng) -> None:
+    body = robot.body(0.05, held)
+    for _ in range(40):
+        q = random_q(robot, rng)
+        before = reference.placed_boxes(robot.chain, body, q)
+        for joint in range(len(q)):
+            moved = q.copy()
+            moved[joint] = rng.uniform(robot.lower[joint], robot.upper[joint])
+            after = reference.placed_boxes(robot.chain, body, moved)
+            for b, frame in enumerate(body.frame):
+                travel = np.linalg.norm(
+                    reference.corners(after[b], body.half[b])
+                    - reference.corners(before[b], body.half[b]),
+                    axis=1,
+                ).max()
+                bound = robot.sweep[frame, joint] * abs(moved[joint] - q[joint])
+                assert travel <= bound + 1e-9
