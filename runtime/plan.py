@@ -23,6 +23,9 @@ from runtime.robot.model import Floats
 FORMAT = "sketchlang-plan"
 VERSION = 1
 
+FARTHEST = 1000.0
+"""Metres (and radians) from the origin that a base pose in a file may be."""
+
 
 @dataclass(frozen=True, eq=False)
 class TimedPiece:
@@ -171,14 +174,14 @@ def read_plan(path: Path) -> Plan:
     try:
         data = json.loads(text)
     except json.JSONDecodeError as error:
-        hint = "the file seems to be cut off" if error.pos >= len(text.rstrip()) - 1 else None
+        hint = None if text.rstrip().endswith("}") else "the file seems to be cut off"
         raise InputError(
             f"is not valid JSON: {error.msg} at line {error.lineno}, column {error.colno}",
             place=str(path),
             hint=hint,
         ) from None
-    except RecursionError:
-        raise InputError("is nested too deeply to be a plan", place=str(path)) from None
+    except (RecursionError, ValueError) as error:  # brackets or digits by the thousand
+        raise InputError(f"is not a plan file: {error}", place=str(path)) from None
     return _Reader(str(path)).plan(data)
 
 
@@ -205,9 +208,12 @@ class _Reader:
 
     def numbers(self, value: Any, shape: tuple[int | None, ...], where: str) -> Floats:
         try:
-            array = np.array(value, dtype=np.float64)
-        except (ValueError, TypeError):
+            array = np.array(value)
+        except ValueError:
             raise self.fail(where, "expected rows of numbers of equal length") from None
+        if array.dtype.kind not in "iuf":  # text, truth values, integers beyond 64 bits
+            raise self.fail(where, f"expected numbers, found {_shown(value)}")
+        array = array.astype(np.float64)
         fits = array.ndim == len(shape) and all(
             want is None or have == want for have, want in zip(array.shape, shape, strict=False)
         )
@@ -304,17 +310,25 @@ class _Reader:
         piece: Piece
         if kind == "base":
             poses = self.item(data, "poses", list, where)
-            piece = BaseMove(self.numbers(poses, (len(times), 3), f"{where}.poses"))
+            rows = self.numbers(poses, (len(times), 3), f"{where}.poses")
+            if np.abs(rows).max() > FARTHEST:
+                raise self.fail(f"{where}.poses", "the base drives out of this world")
+            piece = BaseMove(rows)
         elif kind == "arm":
             path = self.item(data, "path", list, where)
             rows = self.numbers(path, (len(times), None), f"{where}.path")
             piece = ArmMove(rows, self.item(data, "kind", str, where))
         elif kind == "gripper":
-            opening = float(self.item(data, "opening", (int, float), where))
-            attach = bool(data.get("attach", False))
-            release = bool(data.get("release", False))
+            self.item(data, "opening", (int, float), where)
+            opening = float(self.numbers(data["opening"], (), f"{where}.opening"))
+            attach, release = (
+                key in data and bool(self.item(data, key, bool, where))
+                for key in ("attach", "release")
+            )
             if (attach or release) and index is None:
                 raise self.fail(where, "a base move cannot attach or release an object")
+            if attach and release:
+                raise self.fail(where, "one piece cannot attach and release an object")
             piece = GripperMove(opening, index if attach else None, index if release else None)
         else:
             raise self.fail(f"{where}.type", f"unknown piece {kind!r}")
@@ -322,7 +336,13 @@ class _Reader:
 
 
 def _kinds(kinds: tuple[type, ...]) -> str:
-    names = {dict: "an object", list: "a list", str: "a string", int: "a whole number"}
+    names = {
+        dict: "an object",
+        list: "a list",
+        str: "a string",
+        int: "a whole number",
+        bool: "true or false",
+    }
     return " or ".join(names.get(kind, "a number") for kind in kinds)
 
 

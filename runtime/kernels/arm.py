@@ -76,8 +76,6 @@ def jacobian(frames, prismatic, point, out):  # type: ignore[no-untyped-def]
                 out[3 + i, k] = axis[i]
 
 
-
-
 @njit(cache=True)
 def collides(  # type: ignore[no-untyped-def]
     origins, prismatic, box_frame, box_pose, box_half, box_radius, pairs, world, margin,

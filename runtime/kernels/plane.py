@@ -95,3 +95,31 @@ def visible(boxes, clearance, x, y, nodes):  # type: ignore[no-untyped-def]
         else:
             out[i] = math.inf
     return out
+
+
+@njit(cache=True)
+def clear_grid(boxes, clearance, x0, y0, cell, rows, columns):  # type: ignore[no-untyped-def]
+    """Which cell centres of a grid keep the clearance of every box: (rows, columns)."""
+    out = np.zeros((rows, columns), dtype=np.bool_)
+    for i in range(rows):
+        for j in range(columns):
+            out[i, j] = point_is_clear(
+                boxes, clearance, x0 + (i + 0.5) * cell, y0 + (j + 0.5) * cell
+            )
+    return out
+
+
+@njit(cache=True)
+def in_room(room, x0, y0, cell, boxes, clearance, x, y):  # type: ignore[no-untyped-def]
+    """Whether a position is clear and in (or beside) a cell of the room (rows, columns)."""
+    i = int(math.floor((x - x0) / cell))
+    j = int(math.floor((y - y0) / cell))
+    if i < 0 or j < 0 or i >= room.shape[0] or j >= room.shape[1]:
+        return False
+    near = room[i, j]
+    # The edge of the room runs through cells: a neighbour will do.
+    for di in range(-1, 2):
+        for dj in range(-1, 2):
+            if 0 <= i + di < room.shape[0] and 0 <= j + dj < room.shape[1]:
+                near = near or room[i + di, j + dj]
+    return near and point_is_clear(boxes, clearance, x, y)

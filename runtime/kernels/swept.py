@@ -17,7 +17,7 @@ import math
 import numpy as np
 from numba import njit
 
-from runtime.kernels.plane import point_distance, point_is_clear, segment_distance
+from runtime.kernels.plane import in_room, point_distance, segment_distance
 
 HEADINGS = 24
 STEP = 2.0 * math.pi / HEADINGS
@@ -59,9 +59,9 @@ def barred_headings(sx, sy, grips, box, strip):  # type: ignore[no-untyped-def]
         half_aside = box[3] * turn_s + box[4] * turn_c
         low = along - half_along
         high = along + half_along
-        if (
-            high > -strip[0] and low < strip[1] and aside < grips[k] + strip[4] + half_aside
-        ) or (high > -strip[2] and low < -strip[0] and aside < strip[3] + half_aside):
+        if (high > -strip[0] and low < strip[1] and aside < grips[k] + strip[4] + half_aside) or (
+            high > -strip[2] and low < -strip[0] and aside < strip[3] + half_aside
+        ):
             bits |= 1 << k
     return bits
 
@@ -113,9 +113,11 @@ def residue_minima(counts, minus, plus, modulus):  # type: ignore[no-untyped-def
 
 @njit(cache=True)
 def reachable_headings(  # type: ignore[no-untyped-def]
-    sites, strip, shoulder, tool_offset, inner, outer, statics, clearance, low, high
-):
-    """Bits of the headings at each site (S, 2) for which the robot has somewhere to stand.
+    sites, strip, shoulder, tool_offset, inner, outer, low, high,
+    room, x0, y0, cell, statics, clearance,
+):  # fmt: skip
+    """Bits of the headings at each site (S, 2) for which the robot can get to where it
+    would have to stand (`runtime.motion.room`).
 
     The wrist is `tool_offset` behind the site and must be between `inner` and `outer` from
     the shoulder axis, which is `shoulder` (2,) in the base frame. Static boxes that reach
@@ -134,26 +136,30 @@ def reachable_headings(  # type: ignore[no-untyped-def]
                     back = strip[2]
                     if (
                         segment_distance(
-                            statics[w], x - strip[0] * c, y - strip[0] * s, x - back * c, y - back * s
+                            statics[w],
+                            x - strip[0] * c,
+                            y - strip[0] * s,
+                            x - back * c,
+                            y - back * s,
                         )
                         < strip[3]
-                        or segment_distance(
-                            statics[w], x + strip[1] * c, y + strip[1] * s, x, y
-                        )
+                        or segment_distance(statics[w], x + strip[1] * c, y + strip[1] * s, x, y)
                         < 0.5 * strip[3]
                     ):
                         barred = True
                         break
             if not barred and _has_stand(
                 x - tool_offset * c, y - tool_offset * s, x, y, k, shoulder, inner, outer,
-                statics, clearance,
+                room, x0, y0, cell, statics, clearance,
             ):  # fmt: skip
                 out[i] |= 1 << k
     return out
 
 
 @njit(cache=True)
-def _has_stand(wx, wy, x, y, k, shoulder, inner, outer, statics, clearance):  # type: ignore[no-untyped-def]
+def _has_stand(  # type: ignore[no-untyped-def]
+    wx, wy, x, y, k, shoulder, inner, outer, room, x0, y0, cell, statics, clearance
+):
     """Whether some base position, on a coarse fan around the wrist, is clear."""
     for turn in range(13):
         # Straight behind the gripper first, then further and further aside.
@@ -169,7 +175,7 @@ def _has_stand(wx, wy, x, y, k, shoulder, inner, outer, statics, clearance):  # 
             s = math.sin(yaw)
             bx = hx - c * shoulder[0] + s * shoulder[1]
             by = hy - s * shoulder[0] - c * shoulder[1]
-            if point_is_clear(statics, clearance, bx, by):
+            if in_room(room, x0, y0, cell, statics, clearance, bx, by):
                 return True
     return False
 

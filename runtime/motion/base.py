@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -120,16 +121,14 @@ class BaseRoads:
         return np.array(points)
 
 
-def drive(
-    route: Floats, start_yaw: float, goal_yaw: float
-) -> Floats:
+def drive(route: Floats, start_yaw: float, goal_yaw: float) -> Floats:
     """Poses (k, 3) of a differential drive along way points: turns and straight lines.
 
     Consecutive poses differ in position or in heading, never in both.
     """
     poses = [(route[0, 0], route[0, 1], start_yaw)]
     yaw = start_yaw
-    for (x0, y0), (x1, y1) in zip(route[:-1], route[1:], strict=True):
+    for (x0, y0), (x1, y1) in pairwise(route):
         if math.hypot(x1 - x0, y1 - y0) < 1e-9:
             continue
         heading = yaw + wrap(math.atan2(y1 - y0, x1 - x0) - yaw)

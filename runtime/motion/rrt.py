@@ -43,7 +43,8 @@ def rrt_connect(
     """RRT-Connect (Kuffner & LaValle 2000) on the planning joints.
 
     Start and goal must be within the joint limits and free of collision: OMPL waits for
-    another goal, without testing states, where one is not. `resolution` is the step, in radians of joint-space distance, between tested states.
+    another goal, without testing states, where one is not. `resolution` is the step, in
+    radians of joint-space distance, between tested states.
     """
     from ompl import base as ob
     from ompl import geometric as og

@@ -7,6 +7,7 @@ velocity and acceleration limits of every joint.
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import numpy as np
 
@@ -27,9 +28,9 @@ def times(robot: RobotModel, piece: Piece) -> Floats:
     """Seconds from the start of a piece at each of its way points (k,), the first 0."""
     match piece:
         case BaseMove(poses):
-            durations = [_base_duration(robot, a, b) for a, b in zip(poses[:-1], poses[1:], strict=True)]
+            durations = [_base_duration(robot, a, b) for a, b in pairwise(poses)]
         case ArmMove(path, _):
-            durations = [_arm_duration(robot, a, b) for a, b in zip(path[:-1], path[1:], strict=True)]
+            durations = [_arm_duration(robot, a, b) for a, b in pairwise(path)]
         case GripperMove():
             durations = [robot.gripper.time]
     return np.concatenate([[0.0], np.cumsum(durations)])

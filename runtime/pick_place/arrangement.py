@@ -65,6 +65,12 @@ class Arrangement:
         )
 
     @cached_property
+    def letters(self) -> dict[int, GoalSites]:
+        """Where the letters of the scene's word belong."""
+        assert self.task.words is not None
+        return self.task.words.assign(self)
+
+    @cached_property
     def reachable(self) -> Floats:
         """(n,): headings from which the robot could come to each object."""
         return np.array(

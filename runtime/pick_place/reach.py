@@ -146,7 +146,9 @@ class ReachSolver:
         out = self._line(target, back, q)
         if out is None or not empty.path_is_free(out, CONTACT_MARGIN):
             return None
-        full = ArmContext(robot, robot.body(hand.closed, held_box(shape, hand.tool_in_object)), others)
+        full = ArmContext(
+            robot, robot.body(hand.closed, held_box(shape, hand.tool_in_object)), others
+        )
         up = np.array([0.0, 0.0, LIFT])
         lift = self._line(target, up, q)
         if lift is None:
@@ -158,7 +160,9 @@ class ReachSolver:
             return None
         if not full.path_is_free(np.vstack([lift, retreat[1:]]), CONTACT_MARGIN):
             return None
-        return Reach(out[::-1].copy(), lift, retreat, hand.opening, hand.closed, invert(hand.tool_in_object))
+        return Reach(
+            out[::-1].copy(), lift, retreat, hand.opening, hand.closed, invert(hand.tool_in_object)
+        )
 
     def _line(self, target: Pose, offset: Floats, start: Floats) -> Floats | None:
         """Configurations that move the tool on a straight line from the target pose."""

@@ -128,6 +128,7 @@ class Sampler:
                     continue
                 # The estimate may be wrong: try what geometry allows at all.
                 free = int(arrangement.reachable[index])
+            free = self._placeable(state, index, free) or free
             headings = pick_headings(free, GRASPS * 2**attempt, rng)
             jitter = 0.0 if attempt == 0 else STEP / 2
             height = task.shapes[index].grasp_height
@@ -142,6 +143,26 @@ class Sampler:
             if grasps:
                 picks.append((index, grasps))
         return picks
+
+    def _placeable(self, state: State, index: int, free: int) -> int:
+        """Those of some headings with which an object can also be put at its goal, where
+        its heading there is prescribed and the grasp ties the two together."""
+        task = self.task
+        arrangement = task.arrangement(state.placements)
+        goal = task.goal_sites(index, arrangement)
+        placement = state.placements[index]
+        if goal is None or goal.yaw is None or placement is None:
+            return free
+        barred, counts = arrangement.place_counts(goal, task.place_grip(index, None))
+        own = (barred[:, index, None] >> np.arange(HEADINGS)) & 1
+        place = (counts - own).min(axis=0)
+        turn = round((goal.yaw - placement.pose[2]) / STEP)
+        fitting = 0
+        for k in range(HEADINGS):
+            ends = [(k + turn + i * goal.modulus) % HEADINGS for i in range(goal.symmetry)]
+            if any(place[end] == place.min() for end in ends):
+                fitting |= 1 << k
+        return free & fitting
 
     def _regrasps(
         self, state: State, attempt: int, rng: np.random.Generator
@@ -215,7 +236,8 @@ class Sampler:
         assert index is not None
         arrangement = task.arrangement(state.placements)
         misplaced = [i for i in task.misplaced(state) if state.placements[i] is not None]
-        goals = [goal for goal in task.goals.values() if goal.region is None]
+        named = (task.goal_sites(i, arrangement) for i in range(len(state.placements)))
+        goals = [goal for goal in named if goal is not None and goal.region is None]
         xy = np.array([arrangement.xy[i] for i in misplaced] + [goal.xy[0] for goal in goals])
         if not len(xy):
             xy = np.zeros((0, 2))
@@ -349,13 +371,13 @@ class Sampler:
         reach = rng.uniform(workspace.inner, workspace.outer, tries)
         turn = rng.uniform(-0.4, 0.4, tries)
         cx, cy = workspace.centre
-        roads = self.task.roads
+        room = self.task.room
         for b, r, t in zip(bearing, reach, turn, strict=True):
             hx, hy = wx - r * math.cos(b), wy - r * math.sin(b)
             facing = math.atan2(y - hy, x - hx) + t
             c, s = math.cos(facing), math.sin(facing)
             bx, by = hx - c * cx + s * cy, hy - s * cx - c * cy
-            if plane.point_is_clear(roads.boxes, roads.clearance, bx, by):
+            if plane.in_room(*room, bx, by):
                 return BasePose.of(bx, by, facing)
         return None
 

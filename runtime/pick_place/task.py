@@ -11,10 +11,12 @@ from runtime.errors import InputError
 from runtime.kernels import swept
 from runtime.kernels.swept import HEADINGS, STEP
 from runtime.motion.base import BaseRoads, Footprint, footprint
+from runtime.motion.room import room_around
 from runtime.pick_place.arrangement import Arrangement, Placements
 from runtime.pick_place.goals import GoalSites, lattice
 from runtime.pick_place.shapes import Shape, box_shape
 from runtime.pick_place.state import BasePose, Grasp, Placement, State
+from runtime.pick_place.words import WordGoals
 from runtime.robot.model import Floats, RobotModel
 from runtime.scene.model import PoseGoal, RegionGoal, Scene
 
@@ -47,10 +49,12 @@ class Task:
         self.footprint: Footprint = footprint(robot, robot.body(robot.gripper.max_opening))
         self.clearance: Floats = self.footprint.clearances(self.statics)
         self.roads = BaseRoads(self.statics, self.clearance)
+        self.room = room_around(self.statics, self.clearance, *scene.robot_start[:2])
         self._arrangements: OrderedDict[Placements, Arrangement] = OrderedDict()
-        self._reachable: dict[Placement, int] = {}
+        self._reachable: dict[tuple[float, float, int], int] = {}
         self._rows: dict[tuple[int, Placement], Floats] = {}
         self.goals = self._static_goals()
+        self.words = WordGoals(self, scene.word) if scene.word is not None else None
         self.initial = self._initial()
 
     # -- set-up ---------------------------------------------------------------------------
@@ -107,19 +111,23 @@ class Task:
             workspace.wrist_offset,
             workspace.inner,
             workspace.outer,
-            self.statics,
-            self.clearance,
             height - 0.03,
             height + 0.03,
+            *self.room,
         )
 
     def reachable_at(self, placement: Placement) -> int:
         """Bits of the headings from which the robot could grasp an object placed there."""
-        if placement not in self._reachable:
-            x, y, _ = placement.pose
-            rest = self.scene.surfaces[placement.surface].rest
-            self._reachable[placement] = int(self.reachable_sites(np.array([[x, y]]), rest)[0])
-        return self._reachable[placement]
+        return self.reachable_xy(*placement.pose[:2], placement.surface)
+
+    def reachable_xy(self, x: float, y: float, surface: int) -> int:
+        """The same for a point of a surface."""
+        key = (x, y, surface)
+        if key not in self._reachable:
+            sites = np.array([[x, y]])
+            rest = self.scene.surfaces[surface].rest
+            self._reachable[key] = int(self.reachable_sites(sites, rest)[0])
+        return self._reachable[key]
 
     # -- the domain's functions -------------------------------------------------------------
 
@@ -135,6 +143,8 @@ class Task:
 
     def goal_sites(self, index: int, arrangement: Arrangement) -> GoalSites | None:
         """Where an object should stand, or None where it may stand anywhere."""
+        if self.words is not None:
+            return arrangement.letters.get(index)
         return self.goals.get(index)
 
     def misplaced(self, state: State) -> frozenset[int]:

@@ -7,6 +7,7 @@ import numpy as np
 from runtime.motion import rrt
 from runtime.motion.arm_context import ArmContext
 from runtime.pick_place.problem import PickPlaceProblem
+from runtime.pick_place.state import State
 from runtime.pick_place.task import Task
 from runtime.robot.model import RobotModel
 from runtime.scene.model import (
@@ -45,7 +46,7 @@ def warm_up(robot: RobotModel) -> None:
         rrt.shorten(context, np.vstack([path, path[::-1], path]), rng)
 
 
-def _first(subproblem: Subproblem, state: object) -> object | None:
+def _first(subproblem: Subproblem, state: State) -> State | None:
     """The state after the first move and the first manipulation that are executable."""
     for action, after in subproblem.actions(state):
         if subproblem.execute(state, action) is None:
@@ -64,9 +65,7 @@ def _scene() -> Scene:
     return Scene(
         name="warm-up",
         robot_start=(0.0, 0.0, 0.0),
-        surfaces=tuple(
-            Surface(f"t{i}", box, (0.3, 0.5), 0.762) for i, box in enumerate(tables)
-        ),
+        surfaces=tuple(Surface(f"t{i}", box, (0.3, 0.5), 0.762) for i, box in enumerate(tables)),
         obstacles=tuple(Obstacle(f"t{i}", box) for i, box in enumerate(tables)),
         objects=objects,
         goals={0: RegionGoal(1), 1: RegionGoal(1)},

@@ -62,7 +62,7 @@ def _build(table: Table, urdf: Urdf, digest: str) -> RobotModel:
     gripper = table.table("gripper")
     finger_names = gripper.texts("finger_joints")
     if root != urdf.root:
-        raise table.error("base_link", f"the link that all others hang on is {urdf.root!r}")
+        raise table.error("base_link", f"{root!r} is not what all links hang on: {urdf.root!r}")
     if tip not in urdf.boxes:
         raise table.error("tool_link", f"the URDF has no link {tip!r}")
     for name in fixed:

@@ -189,9 +189,9 @@ def _read_box(link: str, index: int, element: ElementTree.Element) -> Box:
         )
     name = element.get("name") or (link if index == 0 else f"{link}_{index}")
     try:
-        size = _numbers(box.get("size", ""), 3)
+        size = _numbers(box.get("size"), 3)
         if min(size) <= 0:
-            raise ValueError(f"its size must be positive, found {box.get('size')!r}")
+            raise ValueError(f"needs a size of three positive numbers, found {box.get('size')!r}")
         return Box(name, _read_origin(element), np.array(size) / 2)
     except ValueError as error:
         raise InputError(f"collision shape of link {link!r}: {error}") from None

@@ -26,7 +26,7 @@ def find_scene(name: str) -> tuple[Path, str]:
         InputError: there is no such scene.
     """
     path = Path(name)
-    if path.is_file():
+    if _is_file(path):
         return path, name
     folder, _, stem = name.partition("/")
     known = built_in_scenes()
@@ -35,3 +35,10 @@ def find_scene(name: str) -> tuple[Path, str]:
     close = difflib.get_close_matches(name, known, 1)
     hint = f"did you mean {close[0]!r}?" if close else f"built in: {', '.join(known)}"
     raise InputError(f"there is no scene {name!r}, neither a file nor built in", hint=hint)
+
+
+def _is_file(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except OSError:  # a name that is too long, a folder that may not be entered
+        return False

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import difflib
 import hashlib
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -28,6 +29,18 @@ from runtime.tables import Table, read_toml
 DEFAULT_TOLERANCE = 0.005
 """Metres; the published tolerance of point goals."""
 
+AIR = 0.002
+"""Metres between a table and the objects that rest on it, unless the scene says otherwise."""
+
+LEAST_AIR = 0.0015
+"""Less than that, and the planner sees objects touch the table that they rest on."""
+
+LARGEST = 20.0
+"""Metres a table may measure."""
+
+FARTHEST = 50.0
+"""Metres from the origin that things may be."""
+
 
 def load_scene(path: Path, name: str | None = None) -> Scene:
     """Read a scene.
@@ -41,6 +54,7 @@ def load_scene(path: Path, name: str | None = None) -> Scene:
     objects = _objects(table, surfaces)
     goals, word = _goals(table, surfaces, objects)
     start = table.numbers("robot_start", 3)
+    _refuse_far(table, "robot_start", start[:2])
     table.finish()
     _refuse_overlaps(table, surfaces, obstacles, objects)
     return Scene(
@@ -55,52 +69,69 @@ def load_scene(path: Path, name: str | None = None) -> Scene:
     )
 
 
-def _positive(table: Table, key: str, values: Sequence[float]) -> list[float]:
-    if any(value <= 0 for value in values):
-        raise table.error(key, f"sizes must be positive, found {list(values)}")
-    return list(values)
-
-
 def _tables(scene: Table) -> tuple[list[Surface], list[Obstacle]]:
     surfaces: list[Surface] = []
-    obstacles: list[Obstacle] = []
-    if scene.has("arena"):
-        arena = scene.table("arena")
-        inner, outer = arena.number("inner"), arena.number("outer")
-        height = arena.number("height")
-        if not 0 < inner < outer:
-            raise arena.error("outer", "the fence needs 0 < inner < outer")
-        middle, thick = (inner + outer) / 2, outer - inner
-        for side, (x, y) in {"east": (1, 0), "north": (0, 1), "west": (-1, 0), "south": (0, -1)}.items():
-            size = (thick, 2 * outer, height) if x else (2 * outer, thick, height)
-            box = UprightBox((x * middle, y * middle, height / 2), size)
-            obstacles.append(Obstacle(f"fence_{side}", box))
+    obstacles = _fence(scene.table("arena")) if scene.has("arena") else []
     tables = scene.tables("table")
     if not tables:
         raise InputError("a scene needs at least one [[table]]", place=scene.place)
     for table in tables:
-        at, size = table.numbers("at", 2), _positive(table, "size", table.numbers("size", 2))
-        region = table.numbers("region", 2) if table.has("region") else size
+        name, at, size = table.text("name"), _at(table), table.positives("size", 2)
+        if any(name == surface.name for surface in surfaces):
+            raise table.error("name", f"there are two tables named {name!r}")
+        if max(size) > LARGEST:
+            raise table.error("size", f"a table may measure {LARGEST:g} m at most")
+        region = table.positives("region", 2) if table.has("region") else size
         if region[0] > size[0] or region[1] > size[1]:
             raise table.error("region", "the region is larger than the table")
-        top, rest = table.number("top"), table.number("rest")
-        if rest < top:
-            raise table.error("rest", f"objects would rest inside the table (its top is at {top})")
+        top = table.positive("top")
+        rest = table.number("rest", top + AIR)
+        if rest < top + LEAST_AIR:
+            raise table.error(
+                "rest",
+                f"objects at {rest:g} m would touch the table, whose top is at {top:g} m",
+                hint=f"leave {1000 * AIR:g} mm of air: rest = {top + AIR:g}",
+            )
         yaw = math.radians(table.number("yaw", 0.0))
         # The body of a table reaches down to the floor: nobody drives under it.
         box = UprightBox((at[0], at[1], top / 2), (size[0], size[1], top), yaw)
-        name = table.text("name")
-        if any(name == surface.name for surface in surfaces):
-            raise table.error("name", f"there are two tables named {name!r}")
         surfaces.append(Surface(name, box, (region[0] / 2, region[1] / 2), rest))
         obstacles.append(Obstacle(name, box))
     return surfaces, obstacles
 
 
+def _at(table: Table) -> list[float]:
+    """Where on the floor something is."""
+    at = table.numbers("at", 2)
+    _refuse_far(table, "at", at)
+    return at
+
+
+def _refuse_far(table: Table, key: str, lengths: Sequence[float]) -> None:
+    if max(map(abs, lengths)) > FARTHEST:
+        raise table.error(key, f"nothing may be further than {FARTHEST:g} m from the origin")
+
+
+def _fence(arena: Table) -> list[Obstacle]:
+    """Four walls around the origin."""
+    inner, outer, height = arena.positive("inner"), arena.number("outer"), arena.positive("height")
+    if not inner < outer:
+        raise arena.error("outer", "the fence needs 0 < inner < outer")
+    _refuse_far(arena, "outer", [outer])
+    middle, thick = (inner + outer) / 2, outer - inner
+    sides = {"east": (1, 0), "north": (0, 1), "west": (-1, 0), "south": (0, -1)}
+    panels = []
+    for side, (x, y) in sides.items():
+        size = (thick, 2 * outer, height) if x else (2 * outer, thick, height)
+        box = UprightBox((x * middle, y * middle, height / 2), size)
+        panels.append(Obstacle(f"fence_{side}", box))
+    return panels
+
+
 def _walls(scene: Table) -> list[Obstacle]:
     walls = []
     for wall in scene.tables("wall"):
-        at, size = wall.numbers("at", 2), _positive(wall, "size", wall.numbers("size", 3))
+        at, size = _at(wall), wall.positives("size", 3)
         bottom = wall.number("bottom", 0.0)
         centre = (at[0], at[1], bottom + size[2] / 2)
         yaw = math.radians(wall.number("yaw", 0.0))
@@ -115,11 +146,11 @@ def _objects(scene: Table, surfaces: Sequence[Surface]) -> list[SceneObject]:
         name = entry.text("name")
         if any(name == other.name for other in objects):
             raise entry.error("name", f"there are two objects named {name!r}")
-        size, at = _positive(entry, "size", entry.numbers("size", 3)), entry.numbers("at", 2)
+        size, at = entry.positives("size", 3), entry.numbers("at", 2)
         yaw = math.radians(entry.number("yaw", 0.0))
         on = [i for i, surface in enumerate(surfaces) if surface.contains(at[0], at[1])]
         if not on:
-            raise entry.error("at", f"({at[0]:g}, {at[1]:g}) is not on a table")
+            raise _off_tables(entry, at, surfaces)
         if entry.has("bottom"):
             bottom, surface = entry.number("bottom"), surfaces[on[0]]
             top = surface.table.size[2]
@@ -131,7 +162,11 @@ def _objects(scene: Table, surfaces: Sequence[Surface]) -> list[SceneObject]:
                     hint="leave `bottom` out: objects rest on their table",
                 )
             if abs(bottom - surface.rest) > 1e-6:
-                raise entry.error("bottom", f"objects on {surface.name!r} rest at {surface.rest:g} m")
+                raise entry.error(
+                    "bottom",
+                    f"objects on {surface.name!r} rest at {surface.rest:g} m",
+                    hint="leave `bottom` out: objects rest on their table",
+                )
         objects.append(
             SceneObject(
                 name,
@@ -171,16 +206,38 @@ def _goals(
 
 def _goal_objects(entry: Table, objects: Sequence[SceneObject]) -> list[int]:
     if entry.has("object"):
+        if entry.has("colour"):
+            raise entry.error("colour", "a goal is for an `object` or for a `colour`, not both")
         name = entry.text("object")
         found = [i for i, o in enumerate(objects) if o.name == name]
         if not found:
-            raise entry.error("object", f"there is no object named {name!r}")
+            hint = _known("objects", name, [o.name for o in objects])
+            raise entry.error("object", f"there is no object named {name!r}", hint)
         return found
     colour = entry.text("colour")
     found = [i for i, o in enumerate(objects) if o.colour == colour]
     if not found:
-        raise entry.error("colour", f"no object is {colour!r}")
+        hint = _known("colours", colour, [o.colour for o in objects if o.colour is not None])
+        raise entry.error("colour", f"no object is {colour!r}", hint)
     return found
+
+
+def _known(what: str, name: str, names: Iterable[str]) -> str:
+    """A hint for a name that nothing has."""
+    known = sorted(set(names))
+    close = difflib.get_close_matches(name, known, 1)
+    return f"did you mean {close[0]!r}?" if close else f"{what}: {', '.join(known) or 'none'}"
+
+
+def _off_tables(entry: Table, at: Sequence[float], surfaces: Sequence[Surface]) -> InputError:
+    x, y = at
+    nearest = min(surfaces, key=lambda s: math.dist((x, y), s.table.centre[:2]))
+    cx, cy, _ = nearest.table.centre
+    return entry.error(
+        "at",
+        f"({x:g}, {y:g}) is not on a table",
+        hint=f"the nearest one is {nearest.name!r}, around ({cx:g}, {cy:g})",
+    )
 
 
 def _surface(entry: Table, key: str, surfaces: Sequence[Surface]) -> int:
@@ -188,20 +245,24 @@ def _surface(entry: Table, key: str, surfaces: Sequence[Surface]) -> int:
     for i, surface in enumerate(surfaces):
         if surface.name == name:
             return i
-    known = ", ".join(surface.name for surface in surfaces)
-    raise entry.error(key, f"there is no table named {name!r}", hint=f"tables: {known}")
+    hint = _known("tables", name, [surface.name for surface in surfaces])
+    raise entry.error(key, f"there is no table named {name!r}", hint)
 
 
 def _goal(entry: Table, thing: SceneObject, surfaces: Sequence[Surface]) -> Goal:
     if not entry.has("at"):
+        if entry.has("tolerance"):
+            raise entry.error("tolerance", "only goals with `at` have one")
         return RegionGoal(_surface(entry, "on", surfaces))
-    tolerance = entry.number("tolerance", DEFAULT_TOLERANCE)
+    if entry.has("on"):
+        raise entry.error("on", "a goal says either `at` which point or `on` which table")
+    tolerance = entry.positive("tolerance", DEFAULT_TOLERANCE)
     if entry.is_text("at") and entry.text("at") == "start":
         return PoseGoal(thing.surface, thing.start[0], thing.start[1], tolerance)
     x, y = entry.numbers("at", 2)
     on = [i for i, surface in enumerate(surfaces) if surface.contains(x, y)]
     if not on:
-        raise entry.error("at", f"({x:g}, {y:g}) is not on a table")
+        raise _off_tables(entry, (x, y), surfaces)
     return PoseGoal(on[0], x, y, tolerance)
 
 
@@ -209,17 +270,25 @@ def _word_goal(
     entry: Table, surfaces: Sequence[Surface], objects: Sequence[SceneObject]
 ) -> WordGoal:
     word = entry.text("word")
-    missing = [c for c in set(word) if sum(o.letter == c for o in objects) < word.count(c)]
-    if not word or missing:
-        raise entry.error("word", f"not enough blocks with the letters {sorted(missing)}")
+    if not word:
+        raise entry.error("word", "the word is empty")
+    missing = {c for c in word if sum(o.letter == c for o in objects) < word.count(c)}
+    if missing:
+        letters = ", ".join(sorted(missing))
+        have = "".join(sorted(o.letter for o in objects if o.letter))
+        raise entry.error(
+            "word",
+            f"not enough blocks with the letters {letters} for {word!r}",
+            hint=f"the blocks have the letters {have}" if have else 'blocks need `letter = "A"`',
+        )
     surface = _surface(entry, "on", surfaces)
-    pitch = entry.number("pitch")
-    depths = [o.size[0] for o in objects if o.letter in set(word)]
-    if pitch < max(depths):
-        raise entry.error("pitch", f"blocks of {max(depths):g} m do not fit a pitch of {pitch:g} m")
-    if pitch * (len(word) - 1) + max(depths) > 2 * max(surfaces[surface].half):
+    pitch = entry.positive("pitch")
+    depth = max(o.size[0] for o in objects if o.letter in set(word))
+    if pitch < depth:
+        raise entry.error("pitch", f"blocks of {depth:g} m do not fit a pitch of {pitch:g} m")
+    if pitch * (len(word) - 1) + depth > 2 * max(surfaces[surface].half):
         raise entry.error("word", f"{word!r} is longer than {surfaces[surface].name!r}")
-    return WordGoal(word, surface, pitch, entry.number("tolerance", DEFAULT_TOLERANCE))
+    return WordGoal(word, surface, pitch, entry.positive("tolerance", DEFAULT_TOLERANCE))
 
 
 def _refuse_overlaps(

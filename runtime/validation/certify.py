@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,7 @@ Floats = NDArray[np.float64]
 
 JOINT_STEP = 0.01  # rad (m) between samples of an arm motion
 BASE_STEP = 0.01  # m and rad between samples of a base motion
+FINGER_STEP = 0.005  # m between samples of the gripper's opening
 JOIN = 1e-4  # rad or m by which consecutive pieces may differ: rounding in the file
 LIMIT_SLACK = 1e-5
 SPEED_SLACK = 1.01
@@ -105,14 +107,21 @@ class _Replay:
             self.find(None, f"the plan was made for another version of the robot {robot.name}")
         if plan.objects != tuple(thing.name for thing in scene.objects):
             self.find(None, "the plan's objects are not those of the scene")
-        if np.abs(self.base - np.array(scene.robot_start)).max() > JOIN:
+        off = np.abs(self.base - np.array(scene.robot_start))
+        off[2] = abs(wrap(self.base[2] - scene.robot_start[2]))
+        if off.max() > JOIN:
             self.find(None, "the plan does not start where the robot stands in the scene")
         expected = [subgoal.actions for subgoal in plan.subgoals]
         counted = [0] * len(expected)
         for action in plan.actions:
             counted[action.subgoal] += 1
         if counted != expected:
-            self.find(None, "actions are missing: the subgoals count more than the plan has")
+            less = "missing" if sum(counted) < sum(expected) else "not where they belong"
+            self.find(
+                None,
+                f"actions are {less}: by its subgoals the plan has {sum(expected)}, "
+                f"{sum(counted)} are there",
+            )
 
     def _action(self, number: int, action: PlanAction) -> None:
         attached = released = False
@@ -203,15 +212,32 @@ class _Replay:
 
     # -- collisions --------------------------------------------------------------------------
 
-    def _check_collisions(self, number: int, base: Floats, q: Floats) -> None:
+    def _check_fingers(self, number: int, piece: GripperMove) -> None:
+        """Moving fingers may touch the object that they grip or let go, nothing else."""
+        count = 2 + math.ceil(abs(piece.opening - self.opening) / FINGER_STEP)
+        opening = np.linspace(self.opening, piece.opening, count)
+        base, q = np.tile(self.base, (count, 1)), np.tile(self.q, (count, 1))
+        gripped = piece.attach if piece.attach is not None else piece.release
+        self._check_collisions(number, base, q, opening, gripped)
+
+    def _check_collisions(
+        self,
+        number: int,
+        base: Floats,
+        q: Floats,
+        opening: Floats | None = None,
+        gripped: int | None = None,
+    ) -> None:
         self.samples += len(base)
         skeleton = self.skeleton
-        links = skeleton.transforms(base, q, self.opening)
+        links = skeleton.transforms(base, q, self.opening if opening is None else opening)
         robot = [
             Track(box.name, box.link, box.half, links[box.link] @ box.pose)
             for box in skeleton.boxes
         ]
-        standing = [self._object_track(i) for i in range(len(self.objects)) if i != self.held]
+        standing = [
+            self._object_track(i) for i in range(len(self.objects)) if i not in {self.held, gripped}
+        ]
         world = self.statics + standing
         pairs = [(a, b) for a in robot for b in world]
         pairs += [
@@ -220,13 +246,11 @@ class _Replay:
             for b in robot[:i]
             if not skeleton.may_touch(a.owner, b.owner)
         ]
-        if self.held is not None:
+        if self.held is not None and self.held != gripped:
             tool = links[skeleton.robot.urdf_tool]
             held = self._object_track(self.held, tool @ self.in_tool)
             pairs += [(held, b) for b in world]
-            pairs += [
-                (held, b) for b in robot if b.owner not in self.robot.gripper.links
-            ]
+            pairs += [(held, b) for b in robot if b.owner not in self.robot.gripper.links]
         hit = self.exact.first_hit(pairs)
         if hit is not None:
             share = 100 * hit.sample / max(1, len(base) - 1)
@@ -251,6 +275,7 @@ class _Replay:
         if not -LIMIT_SLACK <= piece.opening <= self.robot.gripper.max_opening + LIMIT_SLACK:
             self.find(number, f"the gripper cannot open {piece.opening:.4f} m")
             return
+        self._check_fingers(number, piece)
         if piece.attach is not None:
             self._attach(number, piece)
         elif piece.release is not None:
@@ -341,7 +366,7 @@ def upright(x: float, y: float, z: float, yaw: float) -> Floats:
 def _dense(path: Floats, step: Floats) -> Floats:
     """Way points with samples in between, no further apart than `step` in any coordinate."""
     rows = [path[:1]]
-    for a, b in zip(path[:-1], path[1:], strict=True):
+    for a, b in pairwise(path):
         count = max(1, math.ceil(float((np.abs(b - a) / step).max())))
         rows.append(a + (b - a) * (np.arange(1, count + 1) / count)[:, None])
     return np.vstack(rows)

@@ -63,8 +63,9 @@ class Skeleton:
         """Whether contact of two links is no collision."""
         return self.rigid[a] == self.rigid[b] or frozenset((a, b)) in self.robot.ignored
 
-    def transforms(self, base: Floats, q: Floats, opening: float) -> dict[str, Transforms]:
-        """World poses (N, 4, 4) of all links for base poses (N, 3), configurations (N, n)."""
+    def transforms(self, base: Floats, q: Floats, opening: float | Floats) -> dict[str, Transforms]:
+        """World poses (N, 4, 4) of all links for base poses (N, 3), configurations (N, n),
+        and one opening of the gripper or N of them."""
         count = len(base)
         c, s = np.cos(base[:, 2]), np.sin(base[:, 2])
         root = np.tile(np.eye(4), (count, 1, 1))

@@ -6,9 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from sketchlang.check import formulas
+from sketchlang.check.calls import Scope
 from sketchlang.check.declarations import Placed, collect
-from sketchlang.check.expressions import Binding, Scope, Typer
-from sketchlang.check.order import names_in, order
+from sketchlang.check.definitions import definition_order, type_definitions
+from sketchlang.check.expressions import Typer
 from sketchlang.check.relations import Relations, RulePlace, satisfiable
 from sketchlang.check.report import Report
 from sketchlang.check.rules import RuleReader
@@ -19,7 +20,7 @@ from sketchlang.model import Feature, Invariant, Kind, Rule, SketchModel
 from sketchlang.source import Source, Span
 from sketchlang.suggest import did_you_mean
 from sketchlang.syntax import tree
-from sketchlang.types import BOOL, NAT, UNKNOWN
+from sketchlang.types import BOOL
 
 
 @dataclass(frozen=True)
@@ -74,8 +75,8 @@ class _Checker:
         declarations = self.declarations
         self._title()
         self._clashes()
-        ordered = self._definition_order()
-        definitions = self._definitions(ordered)
+        ordered = definition_order(declarations, self.typer)
+        definitions = type_definitions(ordered, declarations, self.typer)
         features = tuple(
             Feature(
                 name,
@@ -153,81 +154,6 @@ class _Checker:
                     *([place] if place else []),
                     hint="Choose another name.",
                 )
-
-    # Definitions.
-
-    def _definition_order(self) -> list[str]:
-        """Features and definitions with the used before their users; circles are errors."""
-        declarations = self.declarations
-        uses: dict[str, list[str]] = {}
-        for name, feature in declarations.features.items():
-            body = feature.item.definition
-            uses[name] = list(names_in(body, frozenset())) if body is not None else []
-        for name, define in declarations.defines.items():
-            bound = frozenset(parameter.name.text for parameter in define.item.parameters)
-            uses[name] = list(names_in(define.item.body, bound))
-        ordered, circles = order(uses)
-        for circle in circles:
-            self.typer.circular.update(circle)
-            labels = [self.typer.declaration(name) for name in circle]
-            path = " -> ".join(f"`{name}`" for name in [*circle, circle[0]])
-            alone = len(circle) == 1
-            message = "a definition uses itself" if alone else "definitions use each other"
-            self.report.add("circular-definition", f"{message}: {path}", *labels)
-        return ordered
-
-    def _definitions(self, ordered: list[str]) -> tuple[Node | None, ...]:
-        typed: dict[str, Node] = {}
-        declarations = self.declarations
-        for name in ordered:
-            define = declarations.defines.get(name)
-            feature = declarations.features.get(name)
-            if define is not None:
-                self._define(name, define)
-            elif feature is not None and feature.item.definition is not None:
-                wanted = BOOL if feature.item.kind == "bool" else NAT
-                what = f"the definition of `{name}`"
-                scope = Scope(feature.source)
-                typed[name] = self.typer.expect(feature.item.definition, wanted, what, scope)
-        return tuple(typed.get(name) for name in declarations.features)
-
-    def _define(self, name: str, placed: Placed[tree.Define]) -> None:
-        """Check a definition's body once by itself, with its parameters as variables."""
-        names: dict[str, Binding] = {}
-        for level, parameter in enumerate(placed.item.parameters):
-            label = placed.label(parameter.name.span)
-            if parameter.name.text in names:
-                place = names[parameter.name.text].place
-                first = Label(place.source, place.span, "first declared here")
-                message = f"parameter `{parameter.name.text}` is declared twice"
-                self.report.add("duplicate-parameter", message, label, first)
-                continue
-            type_ = self.typer.parameter_type(parameter)
-            if type_ == UNKNOWN:
-                self._unknown_sort(parameter.type, placed)
-            self.typer.hiding(parameter.name, Scope(placed.source))
-            node = self.typer.store.variable(level, type_, label)
-            names[parameter.name.text] = Binding(node, label)
-        scope = Scope(placed.source, names, len(placed.item.parameters))
-        body = self.typer.node(placed.item.body, scope)
-        if not body.sound:
-            return
-        self.typer.sound.add(name)
-        for text, binding in names.items():
-            if not binding.used:
-                message = f"parameter `{text}` is never used"
-                self.report.add("unused-parameter", message, binding.place)
-
-    def _unknown_sort(self, name: tree.Name, placed: Placed[tree.Define]) -> None:
-        declarations = self.declarations
-        if self.domain is None and (declarations.use or "use" in declarations.broken_items):
-            return
-        sorts = self.typer.domain_sorts()
-        hint = did_you_mean(name.text, {*sorts, "bool", "nat"})
-        if hint is None and sorts:
-            hint = "Sorts of this domain: " + ", ".join(f"`{sort}`" for sort in sorted(sorts)) + "."
-        message = f"there is no type `{name.text}`"
-        self.report.add("unknown-sort", message, placed.label(name.span), hint=hint)
 
     # Goal, invariants, atoms, rules.
 

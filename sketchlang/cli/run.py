@@ -24,7 +24,13 @@ Examples:
 @click.argument("sketch")
 @click.argument("scene")
 @click.option("--planner", type=click.Choice(["lazy-siiw-r", "siw-r"]), help="Search algorithm.")
-@click.option("--seed", type=int, default=0, show_default=True, help="Same seed, same plan.")
+@click.option(
+    "--seed",
+    type=click.IntRange(min=0),
+    default=0,
+    show_default=True,
+    help="Same seed, same plan.",
+)
 @click.option(
     "--timeout",
     type=click.FloatRange(min=0, min_open=True),

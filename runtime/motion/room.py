@@ -1,0 +1,53 @@
+"""Where the robot can get to at all: the part of the floor that hangs together with its start."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from runtime.kernels import plane
+from runtime.robot.model import Floats
+
+CELL = 0.05
+"""Metres; passages narrower than this may be overlooked."""
+
+SPAN = 3.0
+"""Metres around the outermost obstacles and the start that are looked at."""
+
+
+class Room(NamedTuple):
+    """Cells (rows, columns) of the floor, from the corner (x0, y0); obstacles with the
+    clearance that the base keeps from each. As `runtime.kernels.plane.in_room` takes them."""
+
+    cells: NDArray[np.bool_]
+    x0: float
+    y0: float
+    cell: float
+    boxes: Floats
+    clearance: Floats
+
+    def contains(self, x: float, y: float) -> bool:
+        """Whether the robot can get to a position and turn there."""
+        inside: bool = plane.in_room(*self, x, y)
+        return inside
+
+
+def room_around(boxes: Floats, clearance: Floats, x: float, y: float) -> Room:
+    """The room in which a robot stands at (x, y)."""
+    from scipy import ndimage
+
+    reach = np.hypot(boxes[:, 3], boxes[:, 4]) if len(boxes) else np.zeros(0)
+    low = np.min(np.vstack([boxes[:, :2] - reach[:, None], [[x, y]]]), axis=0) - SPAN
+    high = np.max(np.vstack([boxes[:, :2] + reach[:, None], [[x, y]]]), axis=0) + SPAN
+    rows, columns = (math.ceil(span / CELL) for span in high - low)
+    x0, y0 = float(low[0]), float(low[1])
+    clear = plane.clear_grid(boxes, clearance, x0, y0, CELL, rows, columns)
+    parts, _ = ndimage.label(clear)
+    i, j = int((x - x0) / CELL), int((y - y0) / CELL)
+    around = parts[max(0, i - 1) : i + 2, max(0, j - 1) : j + 2]
+    own = parts[i, j] or around.max()
+    cells = (parts == own) & (parts > 0)
+    return Room(cells, x0, y0, CELL, boxes, clearance)
