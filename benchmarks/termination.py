@@ -3,9 +3,10 @@
     python benchmarks/termination.py [--features 5,12,20] [--families chain,relay] [--repeat 9]
 
 Each line is a sketch of `benchmarks/families.py`: its features, the verdict and the method,
-seconds of the whole process (the least of several runs, start-up of Python included),
-the same for `sketchlang check`, seconds of the proof alone, the process's peak memory, and
-size of the certificate with the seconds of the whole process that verifies it.
+seconds of the whole process (the least of several runs, start-up of Python included), and of
+the processor, which other work on the machine disturbs less; seconds of `sketchlang check`
+on the same file, and of the proof alone; the process's peak memory; the size of the
+certificate, and the seconds of the whole process that verifies it.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ import sys
 import tempfile
 import time
 from pathlib import Path
+from typing import NamedTuple
 
 from families import FAMILIES
 
@@ -38,9 +40,9 @@ def main() -> None:
     ENVIRONMENT["PYTHONPYCACHEPREFIX"] = cache.name
     _run(["terminate", "--help"])
     print(f"Python alone: {_least(['-c', 'pass'], arguments.repeat):.3f} s")
-    header = ("family", "features", "verdict", "method", "process s", "check s", "proof s")
-    header += ("peak MB", "certificate kB", "verify s")
-    print(("{:>9}  {:>8}  {:>15}  {:>16}" + "  {:>9}" * 4 + "  {:>14}  {:>8}").format(*header))
+    header = ("family", "features", "verdict", "method", "process s", "CPU s", "check s")
+    header += ("proof s", "peak MB", "certificate kB", "verify s")
+    print(("{:>9}  {:>8}  {:>15}  {:>16}" + "  {:>9}" * 5 + "  {:>14}  {:>8}").format(*header))
     for family in arguments.families.split(","):
         for features in map(int, arguments.features.split(",")):
             _line(family, features, arguments.repeat, arguments.time_limit)
@@ -51,34 +53,43 @@ def _line(family: str, features: int, repeat: int, limit: float) -> None:
         sketch = Path(folder, "it.sketch")
         sketch.write_text(FAMILIES[family](features))
         proof = Path(folder, "proof.json")
-        terminate = ["terminate", str(sketch), "--time-limit", str(limit)]
-        seconds, found, peak = [], {}, 0.0
-        for _ in range(repeat):
-            took, output, peak = _run([*terminate, "--json", "--certificate", str(proof)])
-            seconds.append(took)
-            found = json.loads(output)
-        check = min(_run(["check", str(sketch)])[0] for _ in range(repeat))
+        bound = ["--time-limit", str(limit)]
+        plain = [_run(["terminate", str(sketch), *bound]) for _ in range(repeat)]
+        check = min(_run(["check", str(sketch)]).wall for _ in range(repeat))
+        told = _run(["terminate", str(sketch), *bound, "--json", "--certificate", str(proof)])
+        found = json.loads(told.output)
         size, verify = 0.0, 0.0
         if proof.exists():
             size = proof.stat().st_size / 1024
-            verify = min(_run(["verify", str(proof), str(sketch)])[0] for _ in range(repeat))
+            check_it = ["verify", str(proof), str(sketch)]
+            verify = min(_run(check_it).wall for _ in range(repeat))
         print(
             f"{family:>9}  {features:>8}  {found['verdict']:>15}  {found['method']:>16}"
-            f"  {min(seconds):>9.3f}  {check:>9.3f}  {found['time_s']:>9.4f}"
-            f"  {peak:>9.0f}  {size:>14.1f}  {verify:>8.3f}",
+            f"  {min(run.wall for run in plain):>9.3f}  {min(run.cpu for run in plain):>9.3f}"
+            f"  {check:>9.3f}  {found['time_s']:>9.4f}  {plain[0].peak:>9.0f}"
+            f"  {size:>14.1f}  {verify:>8.3f}",
             flush=True,
         )
 
 
-def _run(arguments: list[str]) -> tuple[float, str, float]:
-    """Seconds, standard output and peak megabytes of one run of the command line."""
+class Run(NamedTuple):
+    """Seconds, seconds of processor time, peak megabytes, standard output of a process."""
+
+    wall: float
+    cpu: float
+    peak: float
+    output: str
+
+
+def _run(arguments: list[str]) -> Run:
     with tempfile.TemporaryFile("w+") as output:
         started = time.perf_counter()
         process = subprocess.Popen([*COMMAND, *arguments], stdout=output, env=ENVIRONMENT)
         _, _, usage = os.wait4(process.pid, 0)
-        took = time.perf_counter() - started
+        wall = time.perf_counter() - started
         output.seek(0)
-        return took, output.read(), usage.ru_maxrss / 1024
+        cpu = usage.ru_utime + usage.ru_stime
+        return Run(wall, cpu, usage.ru_maxrss / 1024, output.read())
 
 
 def _least(arguments: list[str], repeat: int) -> float:

@@ -44,6 +44,42 @@ def random_sketch(seed: int, most_features: int = 5) -> SketchModel:
     return SketchModel(f"random{seed}", tuple(features), rules, goal, invariants)
 
 
+def dense_sketch(seed: int, features: int, rules: int) -> SketchModel:
+    """A sketch in which each rule has to change something: most are hard to tell at sight."""
+    rng = random.Random(seed)
+    kinds = [rng.choice((Kind.BOOL, Kind.NAT)) for _ in range(features)]
+    conditions_each, effects_each, raising = rng.choice((0.2, 0.4)), rng.choice((0.1, 0.3)), 0.2
+    made = []
+    for r in range(rules):
+        conditions = {
+            f: rng.random() < 0.5 for f in range(features) if rng.random() < conditions_each
+        }
+        effects: dict[int, Effect] = {}
+        for f, kind in enumerate(kinds):
+            if rng.random() < effects_each:
+                if kind is Kind.BOOL:
+                    effects[f] = rng.choice((Effect.SET, Effect.CLEAR))
+                elif rng.random() < raising:
+                    effects[f] = rng.choice(
+                        (Effect.INC, Effect.ANY, Effect.NOT_INC, Effect.NOT_DEC)
+                    )
+                else:
+                    effects[f] = Effect.DEC
+        change = rng.randrange(features)
+        if kinds[change] is Kind.BOOL:
+            conditions[change] = rng.random() < 0.5
+            effects[change] = Effect.CLEAR if conditions[change] else Effect.SET
+        else:
+            effects[change] = Effect.DEC
+        for f, effect in effects.items():
+            if effect is Effect.DEC:
+                conditions[f] = True
+        made.append(Rule(f"r{r}", conditions, effects))
+    declared = tuple(Feature(f"f{f}", kind) for f, kind in enumerate(kinds))
+    goal = {0: False, 1: True} if rng.random() < 0.4 else None
+    return SketchModel(f"dense{seed}", declared, tuple(made), goal)
+
+
 def _rule(rng: random.Random, name: str, features: tuple[Feature, ...]) -> Rule:
     conditions = {f: rng.random() < 0.6 for f in range(len(features)) if rng.random() < 0.45}
     effects = {

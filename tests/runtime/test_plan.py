@@ -1,0 +1,298 @@
+"""Plan files: written and read again, and refused where they are damaged."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+import runtime
+from runtime.errors import InputError
+from runtime.motion.motion import ArmMove, BaseMove, GripperMove
+from runtime.plan import Plan, PlanAction, PlanSubgoal, TimedPiece, read_plan, to_json, write_plan
+from sketchlang.cli.validate import command as validate
+from tests.runtime.plans import Json, actions, parse, pieces
+
+
+def small_plan() -> Plan:
+    """Every kind of action and piece, with values that survive six places."""
+    drive = TimedPiece(BaseMove(np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])), np.array([0, 1.5]))
+    reach = TimedPiece(ArmMove(np.array([[0.1, 0.2], [0.3, 0.4]]), "free"), np.array([0.0, 2.25]))
+    grip = TimedPiece(GripperMove(0.04, attach=1), np.array([0.0, 0.5]))
+    release = TimedPiece(GripperMove(0.05, release=1), np.array([0.0, 0.5]))
+    return Plan(
+        sketch="small",
+        scene="scene",
+        scene_digest="abc",
+        robot="crane",
+        robot_digest="def",
+        planner="siw-r",
+        seed=7,
+        objects=("cup", "tea pot ☕"),
+        base_start=(0.5, -0.25, 3.0),
+        subgoals=(PlanSubgoal("take", {"H": 0}, {"H": 1}, 3, 10, 20, 1, 2),),
+        actions=(
+            PlanAction("move_base", 0, None, None, (drive,)),
+            PlanAction("pick", 0, "tea pot ☕", None, (reach, grip)),
+            PlanAction("place", 0, "tea pot ☕", (1.0, 2.0, 0.767, -1.5), (reach, release)),
+        ),
+        tool_version="0.1.0",
+    )
+
+
+def test_what_is_written_is_read_again(tmp_path) -> None:
+    path = tmp_path / "plan.json"
+    write_plan(small_plan(), path)
+    found = read_plan(path)
+    assert to_json(found) == to_json(small_plan())
+    grip = found.actions[1].pieces[1].piece
+    assert isinstance(grip, GripperMove)
+    assert (grip.attach, grip.release) == (1, None)
+
+
+def test_execution_time_is_the_sum_of_the_pieces() -> None:
+    assert small_plan().execution_time == 1.5 + 2 * 2.25 + 2 * 0.5
+
+
+def test_a_produced_plan_survives_reading_and_writing(plan_file, tmp_path) -> None:
+    copy = tmp_path / "copy.json"
+    write_plan(read_plan(plan_file), copy)
+    assert copy.read_bytes() == plan_file.read_bytes()
+
+
+def test_writing_into_a_missing_folder_is_an_input_error(tmp_path) -> None:
+    with pytest.raises(InputError, match="cannot be written"):
+        write_plan(small_plan(), tmp_path / "missing" / "plan.json")
+
+
+def test_a_failed_write_leaves_nothing_behind(tmp_path) -> None:
+    (tmp_path / "plan.json").mkdir()
+    with pytest.raises(InputError):
+        write_plan(small_plan(), tmp_path / "plan.json")
+    assert [path.name for path in tmp_path.iterdir()] == ["plan.json"]
+
+
+# -- the format as documented ------------------------------------------------------------------
+
+PAGE = Path(runtime.__path__[0]).parent / "docs" / "plan-format.md"
+
+
+def documented(heading: str) -> set[str]:
+    """The keys in the first column of the table under a heading."""
+    section = re.split(r"^#+ ", PAGE.read_text(encoding="utf-8"), flags=re.MULTILINE)
+    text = next(part for part in section if part.startswith(heading))
+    cells = re.findall(r"^\| (`[^|]*)\|", text, flags=re.MULTILINE)
+    return {key for cell in cells for key in re.findall(r"`\"?(\w+)\"?`", cell)}
+
+
+def test_a_produced_plan_has_the_documented_keys(plan_data) -> None:
+    assert set(plan_data) == documented("Plan files")
+    assert all(set(subgoal) == documented("Subgoals") for subgoal in plan_data["subgoals"])
+    keys = documented("Actions")
+    for action in plan_data["actions"]:
+        missing = {"move_base": {"object", "placement"}, "pick": {"placement"}, "place": set()}
+        assert set(action) == keys - missing[action["name"]]
+
+
+def test_pieces_of_a_produced_plan_are_as_documented(plan_data) -> None:
+    assert documented("Pieces") - {"type"} == {"base", "arm", "gripper"}
+    keys = {
+        "base": {"type", "times", "poses"},
+        "arm": {"type", "times", "path", "kind"},
+        "gripper": {"type", "times", "opening"},
+    }
+    kinds = set()
+    for action in plan_data["actions"]:
+        for piece in action["pieces"]:
+            extra = set(piece) - keys[piece["type"]]
+            assert extra <= ({"attach", "release"} if piece["type"] == "gripper" else set())
+            kinds.add(piece.get("kind"))
+            page = PAGE.read_text(encoding="utf-8")
+            assert all(f"`{key}`" in page for key in piece)
+    assert all(f'`"{kind}"`' in PAGE.read_text(encoding="utf-8") for kind in kinds if kind)
+
+
+def test_units_and_frames_of_a_produced_plan_are_as_documented(plan_data, robot, sticks) -> None:
+    """Metres, radians, seconds, the scene's frame: placements on the wanted tables."""
+    for number in actions(plan_data, "place"):
+        x, y, z, heading = plan_data["actions"][number]["placement"]
+        surface = next(s for s in sticks.surfaces if s.contains(x, y))
+        assert z == surface.rest
+        assert 0 <= heading < 2 * np.pi + 1e-6
+    for _, _, piece in pieces(plan_data, "arm"):
+        assert np.shape(piece["path"])[1] == len(robot.joints)
+        assert len(piece["path"]) == len(piece["times"])
+    first = next(pieces(plan_data, "base"))[2]
+    assert first["poses"][0] == pytest.approx(plan_data["base_start"])
+    assert plan_data["base_start"] == pytest.approx(sticks.robot_start)
+
+
+def test_subgoals_count_their_actions(plan_data) -> None:
+    for number, subgoal in enumerate(plan_data["subgoals"]):
+        mine = [action for action in plan_data["actions"] if action["subgoal"] == number]
+        assert len(mine) == subgoal["actions"]
+
+
+def test_feature_values_go_on_from_subgoal_to_subgoal(plan_data) -> None:
+    subgoals = plan_data["subgoals"]
+    for before, after in zip(subgoals[:-1], subgoals[1:], strict=True):
+        assert before["after"] == after["before"]
+
+
+# -- damage ------------------------------------------------------------------------------------
+
+
+def test_a_plan_cut_off_anywhere_is_refused(tmp_path) -> None:
+    text = json.dumps(to_json(small_plan()))
+    path = tmp_path / "plan.json"
+    for length in range(len(text)):
+        path.write_text(text[:length], encoding="utf-8")
+        with pytest.raises(InputError) as caught:
+            read_plan(path)
+        assert caught.value.place is not None
+        assert caught.value.place.startswith(str(path))
+
+
+def test_a_cut_off_plan_is_called_so(tmp_path, plan_file) -> None:
+    path = tmp_path / "plan.json"
+    path.write_bytes(plan_file.read_bytes()[:3000])
+    with pytest.raises(InputError) as caught:
+        read_plan(path)
+    assert "cut off" in (caught.value.hint or "")
+
+
+Change = Callable[[Json], Any]
+DAMAGE: dict[str, tuple[Change, str]] = {
+    "older version": (lambda d: d.update(version=0), "version"),
+    "newer version": (lambda d: d.update(version=2), "version"),
+    "version as text": (lambda d: d.update(version="1"), "version"),
+    "another format": (lambda d: d.update(format="sketchlang-actions"), "format"),
+    "no format": (lambda d: d.pop("format"), "format"),
+    "no actions": (lambda d: d.pop("actions"), "actions"),
+    "actions as object": (lambda d: d.update(actions={}), "actions"),
+    "scene as text": (lambda d: d.update(scene="sorting/3t-02"), "scene"),
+    "seed with a fraction": (lambda d: d.update(seed=1.5), "seed"),
+    "seed as truth value": (lambda d: d.update(seed=True), "seed"),
+    "start of two numbers": (lambda d: d.update(base_start=[0, 1]), "base_start"),
+    "start as text": (lambda d: d.update(base_start=["0", "1", "2"]), "base_start"),
+    "start that is infinite": (lambda d: d.update(base_start=[0, 1, 1e400]), "base_start"),
+    "objects that are numbers": (lambda d: d.update(objects=[1, 2]), "objects"),
+    "unknown action": (lambda d: d["actions"][0].update(name="fly"), "actions[0].name"),
+    "action that is a number": (lambda d: d["actions"].insert(0, 3), "actions[0]"),
+    "unknown object": (lambda d: d["actions"][1].update(object="pan"), "actions[1].object"),
+    "no object": (lambda d: d["actions"][1].pop("object"), "object"),
+    "placement of three": (lambda d: d["actions"][2].update(placement=[1, 2, 3]), "placement"),
+    "subgoal that is not there": (lambda d: d["actions"][0].update(subgoal=1), "subgoal"),
+    "negative subgoal": (lambda d: d["actions"][0].update(subgoal=-1), "subgoal"),
+    "feature value with a fraction": (
+        lambda d: d["subgoals"][0]["before"].update(H=0.5), "subgoals[0].before"
+    ),
+    "unknown piece": (lambda d: d["actions"][0]["pieces"][0].update(type="leap"), "type"),
+    "times that fall": (lambda d: d["actions"][0]["pieces"][0].update(times=[0, -1]), "times"),
+    "times that start late": (lambda d: d["actions"][0]["pieces"][0].update(times=[1, 2]), "times"),
+    "too few times": (lambda d: d["actions"][0]["pieces"][0].update(times=[0]), "poses"),
+    "no times": (lambda d: d["actions"][0]["pieces"][0].update(times=[]), "times"),
+    "poses of two numbers": (
+        lambda d: d["actions"][0]["pieces"][0].update(poses=[[0, 0], [1, 1]]), "poses"
+    ),
+    "poses out of this world": (
+        lambda d: d["actions"][0]["pieces"][0].update(poses=[[0, 0, 0], [1e9, 0, 0]]), "poses"
+    ),
+    "ragged path": (lambda d: d["actions"][1]["pieces"][0].update(path=[[0, 0], [1]]), "path"),
+    "path with nothing": (lambda d: d["actions"][1]["pieces"][0].update(path=[[0, None], [1, 1]]), "path"),
+    "path with nan": (lambda d: d["actions"][1]["pieces"][0].update(path=[[0, float("nan")], [1, 1]]), "path"),
+    "path with an enormous whole number": (
+        lambda d: d["actions"][1]["pieces"][0].update(path=[[0, 10**400], [1, 1]]), "path"
+    ),
+    "opening as text": (lambda d: d["actions"][1]["pieces"][1].update(opening="wide"), "opening"),
+    "opening that is nan": (lambda d: d["actions"][1]["pieces"][1].update(opening=float("nan")), "opening"),
+    "an enormous opening": (lambda d: d["actions"][1]["pieces"][1].update(opening=10**400), "opening"),
+    "attach as text": (lambda d: d["actions"][1]["pieces"][1].update(attach="no"), "attach"),
+    "attach and release": (lambda d: d["actions"][1]["pieces"][1].update(release=True), "pieces[1]"),
+    "a base move that grips": (
+        lambda d: d["actions"][0]["pieces"].append({"type": "gripper", "times": [0, 1], "opening": 0, "attach": True}),
+        "actions[0].pieces[1]",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("change", "place"), DAMAGE.values(), ids=DAMAGE)
+def test_damage_is_named_with_its_place(tmp_path, change, place) -> None:
+    data = json.loads(json.dumps(to_json(small_plan())))
+    change(data)
+    with pytest.raises(InputError) as caught:
+        parse(tmp_path, data)
+    assert str(tmp_path / "plan.json") in (caught.value.place or "")
+    assert place in str(caught.value).replace(str(tmp_path), "")
+
+
+def test_an_older_plan_asks_to_be_planned_again(tmp_path) -> None:
+    data = to_json(small_plan())
+    data["version"] = 0
+    with pytest.raises(InputError, match="version 0") as caught:
+        parse(tmp_path, data)
+    assert "older" in (caught.value.hint or "")
+
+
+TEXTS = {
+    "empty": b"",
+    "another file": b"robot_start = [0, 0, 0]\n",
+    "a list": b"[]",
+    "a number": b"3",
+    "null": b"null",
+    "not utf-8": b'{"format": "\xff"}',
+    "nested too deeply": b"[" * 200_000,
+    "thousands of digits": b'{"seed": 1' + b"0" * 5000 + b"}",
+    "twice": b"{}{}",
+}
+
+
+@pytest.mark.parametrize("content", TEXTS.values(), ids=TEXTS)
+def test_files_that_are_no_plans_end_the_command_with_two(tmp_path, content) -> None:
+    path = tmp_path / "plan.json"
+    path.write_bytes(content)
+    done = CliRunner().invoke(validate, [str(path)])
+    assert done.exit_code == 2
+    assert str(path) in done.stderr
+    assert not done.stdout
+
+
+def test_missing_files_and_folders_end_the_command_with_two(tmp_path) -> None:
+    for path in (tmp_path, tmp_path / "missing.json"):
+        done = CliRunner().invoke(validate, [str(path)])
+        assert done.exit_code == 2
+        assert str(path) in done.stderr
+
+
+SCRAPS = st.sampled_from([None, True, 0, -1, 10**30, 1e308, "", "x", [], [[]], {}, {"name": 1}])
+
+
+@settings(
+    max_examples=300, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+@given(data=st.data())
+def test_any_value_replaced_gives_a_plan_or_an_input_error(
+    tmp_path: Path, data: st.DataObject
+) -> None:
+    plan = json.loads(json.dumps(to_json(small_plan())))
+    node: Any = plan
+    while True:
+        keys = list(node) if isinstance(node, dict) else list(range(len(node)))
+        key = data.draw(st.sampled_from(keys))
+        child = node[key]
+        if not isinstance(child, dict | list) or not child or data.draw(st.booleans()):
+            node[key] = data.draw(SCRAPS)
+            break
+        node = child
+    try:
+        assert isinstance(parse(tmp_path, plan), Plan)
+    except InputError as error:
+        assert error.place is not None
