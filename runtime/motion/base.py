@@ -21,8 +21,9 @@ from runtime.robot.model import Body, Floats, RobotModel
 MARGIN = 0.01
 """Metres added to every clearance."""
 
-CORNER = 1.1
-"""Way points stand at the corners of obstacles, this factor outside their clearance."""
+CORNER = 1.002 / math.cos(math.pi / 8)
+"""Way points stand around the corners of obstacles, two a corner, this factor outside their
+clearance: so the lines between neighbours just pass, around a corner and along a side."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,9 +86,11 @@ class BaseRoads:
         for box, clearance in zip(self.boxes, self.clearance, strict=True):
             if clearance <= 0.0:
                 continue
-            out = clearance * CORNER / math.sqrt(2.0)
-            for sx, sy in ((1, 1), (1, -1), (-1, -1), (-1, 1)):
-                lx, ly = sx * (box[3] + out), sy * (box[4] + out)
+            for k in range(8):
+                bearing = (k + 0.5) * math.pi / 4
+                c, s = math.cos(bearing), math.sin(bearing)
+                lx = math.copysign(box[3], c) + clearance * CORNER * c
+                ly = math.copysign(box[4], s) + clearance * CORNER * s
                 x = box[0] + box[6] * lx - box[7] * ly
                 y = box[1] + box[7] * lx + box[6] * ly
                 if self.is_clear(x, y):

@@ -21,13 +21,14 @@ SHORTCUTS = 12
 
 def plan(context: ArmContext, start: Floats, goal: Floats, seed: int) -> Floats | None:
     """A collision-free path (p, n) from start to goal (n,), or None where none was found."""
+    robot = context.robot
     line = np.array([start, goal])
+    if np.any(line < robot.lower) or np.any(line > robot.upper):
+        return None
     if context.path_is_free(line):
         return line
-    robot = context.robot
-    for q in line:
-        if np.any(q < robot.lower) or np.any(q > robot.upper) or context.collides(q):
-            return None
+    if any(context.collides(q) for q in line):
+        return None
     for attempt in range(ATTEMPTS):
         # The planner tests states a step apart; a path that the dense check refuses is
         # searched anew at half the step.

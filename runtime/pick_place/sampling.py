@@ -42,6 +42,9 @@ CHOICE = 3
 REGRASP_PLACES = 4
 """Places at which the held object may be put down to grip it anew."""
 
+NARROW = 1e-3
+"""Metres by which a grasp may be wider than the narrowest one and still count as narrow."""
+
 BIN = 0.1
 """Placements fall into the least filled bins of this size, in metres, as published."""
 
@@ -162,7 +165,10 @@ class Sampler:
             ends = [(k + turn + i * goal.modulus) % HEADINGS for i in range(goal.symmetry)]
             if any(place[end] == place.min() for end in ends):
                 fitting |= 1 << k
-        return free & fitting
+        # Where the heading is prescribed, room is tight: narrow grasps before wide ones.
+        grips = task.grips(index, placement.pose[2])
+        narrow = sum(1 << k for k in range(HEADINGS) if grips[k] < grips.min() + NARROW)
+        return (free & fitting & narrow) or (free & fitting)
 
     def _regrasps(
         self, state: State, attempt: int, rng: np.random.Generator
@@ -172,7 +178,10 @@ class Sampler:
         assert state.held is not None
         height = self.task.shapes[state.held].grasp_height
         number = GRASPS * 2**attempt
-        angles = (rng.random() + np.arange(number)) * 2 * math.pi / number
+        # The first angles are along the sides of the object, the narrowest ones.
+        angles = np.arange(number) * 2 * math.pi / number
+        if attempt > 1:
+            angles += rng.uniform(0.0, 2 * math.pi / number)
         return [
             (state.held, tuple(Grasp.of(a, height, flipped=rng.random() < 0.3) for a in angles))
         ]

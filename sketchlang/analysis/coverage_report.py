@@ -49,8 +49,11 @@ def as_text(
             lines += ["", f"  ... and {more:,} more groups; --json lists them all."]
         if model.goal is None:
             lines += ["", "The sketch has no goal: some of these may be where it should end."]
-        lines += ["", "Write a rule for them. Or say that no state is like that, for instance:"]
-        lines.append(f"  {_invariant(model, found.gaps[0])}")
+        proposal = _invariant(model, found.gaps[0])
+        lines += ["", "Write a rule for them."]
+        if proposal is not None:
+            lines[-1] += " Or say that no state is like that, for instance:"
+            lines.append(f"  {proposal}")
     else:
         lines.append(f"{model.name}: every valuation but the goal has a rule.")
     for rule in found.dead:
@@ -152,12 +155,15 @@ def _gap_warning(
         secondary.append(Label(source_of(rule), span, _why_not(model, obstacle)))
     if secondary:
         primary = secondary.pop(0)
+    proposal = _invariant(model, gap)
     return Diagnostic(
         "uncovered",
         f"no rule for {cube(model, *gap.cube)}",
         primary,
         tuple(secondary),
-        hint=f"Write a rule, or `{_invariant(model, gap)}` if no state is like that.",
+        hint=f"Write a rule, or `{proposal}` if no state is like that."
+        if proposal is not None
+        else "Write a rule for it.",
         severity=Severity.WARNING,
     )
 
@@ -181,33 +187,30 @@ def _obstacle(model: SketchModel, obstacle: Obstacle, position: Position) -> str
     return f"{position(rule, span)}: {rule.name} applies, but {what} {why}."
 
 
-def _invariant(model: SketchModel, gap: Gap) -> str:
+def _invariant(model: SketchModel, gap: Gap) -> str | None:
     """An invariant that excludes a gap, in the language's own words.
 
-    It is the weakest one that leaves no other gap, if there is one: to forbid a valuation
-    may take the last rule from the valuations before it.
+    It is the weakest one that leaves no other gap and spoils no rule: to forbid a valuation
+    may take the last rule from the valuations before it. None if there is no such invariant.
     """
     features = list(members(gap.cube.known))
-    if not features:
-        return "invariant false"
+    if not features or len(features) > MOST_PREMISES + 1:
+        return None
     last = next((o.lowered for o in gap.obstacles if o.lowered in features), features[-1])
     assert last is not None
     rest = tuple(f for f in features if f != last)
-    for dropped in range(len(rest) + 1 if len(rest) <= MOST_PREMISES else 0):
-        for premise in combinations(rest, len(rest) - dropped):
-            if _closes(model, gap.cube, premise, last):
-                return _implication(model, gap.cube, premise, last)
-    return _implication(model, gap.cube, rest, last)
-
-
-def _closes(model: SketchModel, where: Cube, premise: Sequence[int], last: int) -> bool:
-    """Whether nothing is left uncovered with the invariant `premise -> last is otherwise`."""
-    parts = tuple(Literal(f, not where.bits >> f & 1) for f in (*premise, last))
-    invariants = (*model.invariants, Invariant(Or(parts), ""))
     try:
-        return not find_coverage(replace(model, invariants=invariants), PROPOSAL_WORK).gaps
+        dead = find_coverage(model, PROPOSAL_WORK).dead
+        for dropped in range(len(rest) + 1):
+            for premise in combinations(rest, len(rest) - dropped):
+                parts = tuple(Literal(f, not gap.cube.bits >> f & 1) for f in (*premise, last))
+                invariants = (*model.invariants, Invariant(Or(parts), ""))
+                found = find_coverage(replace(model, invariants=invariants), PROPOSAL_WORK)
+                if not found.gaps and found.dead == dead:
+                    return _implication(model, gap.cube, premise, last)
     except TooManyCubesError:
-        return False
+        return None
+    return None
 
 
 def _implication(model: SketchModel, where: Cube, premise: Sequence[int], last: int) -> str:

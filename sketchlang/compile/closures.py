@@ -83,8 +83,7 @@ class Compiler:
             return _at(self.layout.feature(value))
         if kind == "call":
             call = self._call(node)
-            run = seam.compiled(call)
-            return seam.careful(run, call) if self.careful else run
+            return seam.careful(call) if self.careful else seam.compiled(call)
         parts = [self.run(part) for part in node.parts]
         if kind in QUANTIFIERS:
             assert isinstance(value, int)

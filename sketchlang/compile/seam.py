@@ -123,22 +123,33 @@ def _general(call: Call) -> Run:
     return run
 
 
-def careful(run: Run, call: Call) -> Run:
-    """The same call made twice, with equal results expected.
+def careful(call: Call) -> Run:
+    """The closure that makes a call twice and expects equal results.
 
     This finds functions whose result does not follow from state and arguments. It is done
     for some states only.
     """
-    many = call.function.result.is_set
+    target, arguments = call.function.call, call.arguments
+    check, many = check_for(call.function, call.domain), call.function.result.is_set
 
-    def twice(frame: Frame) -> Any:
-        first, second = run(frame), run(frame)
+    def run(frame: Frame) -> Any:
+        given = [argument(frame) for argument in arguments]
+        results = []
+        for _ in range(2):
+            try:
+                results.append(target(frame[0], *given))
+            except Exception as error:
+                raise call.raised(frame, error) from error
+            wrong = check(results[-1])
+            if wrong:
+                raise call.broken(frame, wrong)
+        first, second = results
         if (frozenset(first) != frozenset(second)) if many else (first != second):
             reason = f"returned {shown(first)}, then {shown(second)} for the same state"
             raise call.broken(frame, reason)
         return first
 
-    return twice
+    return run
 
 
 def check_for(function: Function, domain: Domain) -> Callable[[Any], str | None]:

@@ -85,3 +85,18 @@ KNOWN = (
     Known("anything", "", "n", ("n>0 -> n?",), endless="r1"),
     Known("lexicographic", "", "a b c", ("a>0 -> a-- b? c?", "a=0 b>0 -> b-- c?", "c>0 -> c--")),
 )
+
+PAPER = """\
+sketch pick_and_place
+feature H : bool
+feature I : bool
+feature m : nat
+feature u : nat
+feature v : nat
+goal { !H, m = 0 }
+rule pick_clear  { !H, m > 0, u = 0 } -> { H, I, m--, u?, !v++ }
+rule clear_way   { !H, m > 0, u > 0 } -> { H, I?, m?, u?, v-- }
+rule put_aside   { H, !I }            -> { !H, I?, m? }
+rule put_at_goal { H, I }             -> { !H, I? }
+"""
+"""The sketch exactly as published, in the language; the built-in one may say more."""

@@ -15,6 +15,7 @@ from click.testing import CliRunner, Result
 
 from benchmarks.families import FAMILIES
 from sketchlang.cli import cli
+from tests.analysis.known import PAPER
 
 CHAIN = FAMILIES["chain"](4)
 GRAY = FAMILIES["gray"](20)
@@ -120,35 +121,45 @@ def test_files_that_cannot_be_written(sketch: Path, tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == [sketch]
 
 
-def test_coverage() -> None:
-    result = run("coverage", "pick_and_place")
+def test_coverage(sketch: Path) -> None:
+    sketch.write_text(PAPER)
+    result = run("coverage", sketch)
     assert result.exit_code == 1
     assert "{!H, m > 0, u > 0, v = 0}" in result.output
     assert "clear_way applies, but `v--` cannot happen: v = 0." in result.output
-    found = json.loads(run("coverage", "pick_and_place", "--json", "--overlaps").output)
+    found = json.loads(run("coverage", sketch, "--json", "--overlaps").output)
     assert found["gaps"][0]["valuations"] == {"H": False, "m": "> 0", "u": "> 0", "v": "= 0"}
     assert found["overlaps"] == []
 
 
 def test_the_invariant_that_coverage_proposes_closes_the_gap(tmp_path: Path) -> None:
-    for seed_text in (None, CHAIN):
-        path = tmp_path / "it.sketch"
-        if seed_text is None:
-            from sketchlang.loader import load_sketch
-
-            seed_text = load_sketch("pick_and_place").source.text
-        path.write_text(seed_text)
-        proposal = run("coverage", path).output.strip().splitlines()[-1].strip()
-        assert proposal.startswith("invariant ")
-        path.write_text(f"{seed_text}\n{proposal}\n")
-        result = run("coverage", path)
-        assert result.exit_code == 0, result.output
+    path = tmp_path / "it.sketch"
+    path.write_text(PAPER)
+    proposal = run("coverage", path).output.strip().splitlines()[-1].strip()
+    assert proposal == "invariant m > 0 and u > 0 -> v > 0"
+    path.write_text(f"{PAPER}\n{proposal}\n")
+    result = run("coverage", path)
+    assert result.exit_code == 0, result.output
 
 
-def test_check_warns_of_gaps() -> None:
-    result = run("check", "pick_and_place")
+def test_no_invariant_is_proposed_that_makes_rules_useless(tmp_path: Path) -> None:
+    path = tmp_path / "it.sketch"
+    rules = "goal { n = 0 }\nrule pick { !H, n > 0 } -> { H }\n"
+    path.write_text(f"sketch s\nfeature H : bool\nfeature n : nat\n{rules}")
+    result = run("coverage", path)
+    assert result.exit_code == 1
+    assert "{H, n > 0}" in result.output
+    assert "invariant" not in result.output
+
+
+def test_check_warns_of_gaps(tmp_path: Path) -> None:
+    path = tmp_path / "it.sketch"
+    path.write_text(PAPER)
+    result = run("check", path)
     assert result.exit_code == 0
     assert "warning[uncovered]: no rule for {!H, m > 0, u > 0, v = 0}" in result.output
+    path.write_text(f"{PAPER}\ninvariant u > 0 -> v > 0\n")
+    assert "warning" not in run("check", path).output
 
 
 @pytest.mark.parametrize(

