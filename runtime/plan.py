@@ -49,7 +49,8 @@ class PlanAction:
 
 @dataclass(frozen=True)
 class PlanSubgoal:
-    """One subplan: the rule, feature values by name, and the effort it took."""
+    """One subplan: the rule, feature values by name, and the effort it took; `rejected`
+    counts the candidates that died at each step of X."""
 
     rule: str
     before: Mapping[str, int]
@@ -59,6 +60,7 @@ class PlanSubgoal:
     generated: int
     attempt: int
     width: int
+    rejected: Mapping[str, int]
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,6 +119,7 @@ def to_json(plan: Plan) -> dict[str, Any]:
                 "generated": subgoal.generated,
                 "attempt": subgoal.attempt,
                 "width": subgoal.width,
+                "rejected": dict(subgoal.rejected),
             }
             for subgoal in plan.subgoals
         ],
@@ -266,7 +269,7 @@ class _Reader:
 
     def subgoal(self, data: Any, where: str) -> PlanSubgoal:
         values = {}
-        for key in ("before", "after"):
+        for key in ("before", "after", "rejected"):
             values[key] = self.item(data, key, dict, where)
             for name in values[key]:
                 self.item(values[key], name, int, f"{where}.{key}")
@@ -275,7 +278,9 @@ class _Reader:
             for key in ("actions", "expanded", "generated", "attempt", "width")
         }
         rule = self.item(data, "rule", str, where)
-        return PlanSubgoal(rule, values["before"], values["after"], **counts)
+        return PlanSubgoal(
+            rule, values["before"], values["after"], rejected=values["rejected"], **counts
+        )
 
     def action(self, data: Any, where: str, objects: Sequence[str], subgoals: int) -> PlanAction:
         name = self.item(data, "name", str, where)

@@ -78,7 +78,7 @@ def pose_vs_pose(a, half_a, b, half_b, margin):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, inline="always")
-def _overlap(  # type: ignore[no-untyped-def]  # noqa: PLR0912
+def _overlap(  # type: ignore[no-untyped-def]
     r00, r01, r02, r10, r11, r12, r20, r21, r22, tx, ty, tz, ax, ay, az, bx, by, bz
 ):
     """The fifteen axes (Gottschalk et al. 1996) for box B turned by r, moved by t, in A."""

@@ -132,11 +132,11 @@ def solve(origins, prismatic, lower, upper, tool, target, q, iterations):  # typ
                 dq = 0.0
                 for i in range(6):
                     dq += jac[i, k] * step[i]
-                if attempt == 0:
-                    # A joint at its limit that is pushed outwards is frozen, once.
-                    if (q[k] <= lower[k] and dq < 0.0) or (q[k] >= upper[k] and dq > 0.0):
-                        free[k] = False
-                        blocked = True
+                # A joint at its limit that is pushed outwards is frozen, once.
+                outwards = (q[k] <= lower[k] and dq < 0.0) or (q[k] >= upper[k] and dq > 0.0)
+                if attempt == 0 and outwards:
+                    free[k] = False
+                    blocked = True
             if not blocked:
                 break
         for k in range(n):

@@ -112,8 +112,8 @@ def clear_grid(boxes, clearance, x0, y0, cell, rows, columns):  # type: ignore[n
 @njit(cache=True)
 def in_room(room, x0, y0, cell, boxes, clearance, x, y):  # type: ignore[no-untyped-def]
     """Whether a position is clear and in (or beside) a cell of the room (rows, columns)."""
-    i = int(math.floor((x - x0) / cell))
-    j = int(math.floor((y - y0) / cell))
+    i = math.floor((x - x0) / cell)
+    j = math.floor((y - y0) / cell)
     if i < 0 or j < 0 or i >= room.shape[0] or j >= room.shape[1]:
         return False
     near = room[i, j]

@@ -19,7 +19,7 @@ from runtime.pick_place.state import Grasp, Placement
 
 if TYPE_CHECKING:
     from runtime.pick_place.task import Task
-    from runtime.scene.model import Floats
+    from runtime.robot.model import Floats, Ints
 
 Placements = tuple[Placement | None, ...]
 
@@ -43,14 +43,14 @@ class Arrangement:
         self.xy = self.boxes[:, :2]
         self.misplaced: dict[Grasp | None, frozenset[int]] = {}
         self._alpha: dict[tuple[int, Grasp | None], int] = {}
-        self._open: dict[int, tuple[Floats, Floats]] = {}
-        self._places: dict[object, tuple[Floats, Floats]] = {}
+        self._open: dict[int, tuple[Ints, Ints]] = {}
+        self._places: dict[object, tuple[Ints, Ints]] = {}
 
     @cached_property
-    def barred(self) -> Floats:
+    def barred(self) -> Ints:
         """(n, n): headings at the place of object i that object j bars."""
         task = self.task
-        barred = swept.barred_matrix(self.xy, self.grips, self.boxes, task.strip)
+        barred: Ints = swept.barred_matrix(self.xy, self.grips, self.boxes, task.strip)
         np.fill_diagonal(barred, 0)
         return barred
 
@@ -71,7 +71,7 @@ class Arrangement:
         return self.task.words.assign(self)
 
     @cached_property
-    def reachable(self) -> Floats:
+    def reachable(self) -> Ints:
         """(n,): headings from which the robot could come to each object."""
         return np.array(
             [
@@ -82,16 +82,17 @@ class Arrangement:
         )
 
     @cached_property
-    def pick_counts(self) -> Floats:
+    def pick_counts(self) -> Ints:
         """(n, K): how many objects bar each heading to each object."""
-        return swept.bar_counts(self.barred, self.present, self.reachable)
+        counts: Ints = swept.bar_counts(self.barred, self.present, self.reachable)
+        return counts
 
     def free_headings(self, index: int) -> int:
         """Bits of the headings along which an object can be picked right away."""
         counts = self.pick_counts[index]
         return sum(1 << k for k in range(HEADINGS) if counts[k] == 0)
 
-    def place_counts(self, goal: GoalSites, grip: float) -> tuple[Floats, Floats]:
+    def place_counts(self, goal: GoalSites, grip: float) -> tuple[Ints, Ints]:
         """For the sites of a goal and half the width of what is put there: (S, n) barred
         headings, (S, K) counts."""
         key = (goal.key, grip)
@@ -134,9 +135,7 @@ class Arrangement:
             # The grasp fixes the heading of the approach for each heading of the object.
             return int(place[round((goal.yaw + grasp.heading) / STEP) % modulus])
         none = np.zeros(1, dtype=np.int64)
-        pick = swept.residue_minima(
-            self.pick_counts[index : index + 1], none, plus_pick, modulus
-        )
+        pick = swept.residue_minima(self.pick_counts[index : index + 1], none, plus_pick, modulus)
         if goal.yaw is None:
             return int(pick[0] + place[0])
         turn = round((goal.yaw - placement_now.pose[2]) / STEP)
@@ -193,6 +192,5 @@ class Arrangement:
             (place, goal.xy, np.full((len(goal.xy), HEADINGS), grip)),
         )
         return not all(
-            swept.leaves_open(headings, xy, grips, box, task.strip)
-            for headings, xy, grips in sites
+            swept.leaves_open(headings, xy, grips, box, task.strip) for headings, xy, grips in sites
         )

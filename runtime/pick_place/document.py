@@ -30,6 +30,7 @@ def document(task: Task, model: SketchModel, outcome: Outcome, planner: str, see
                 generated=subgoal.generated,
                 attempt=subgoal.attempt,
                 width=subgoal.width,
+                rejected=subgoal.rejected,
             )
         )
         for action, motion in zip(subgoal.actions, subgoal.motions, strict=True):

@@ -20,7 +20,16 @@ from runtime.motion.motion import ArmMove, BaseMove, GripperMove, Motion
 from runtime.pick_place.profile import Profile
 from runtime.pick_place.reach import Hand, Reach, ReachSolver, held_box, object_pose
 from runtime.pick_place.state import (
-    UNIT, Action, BasePose, Grasp, MoveBase, Pick, Place, Placement, State)
+    UNIT,
+    Action,
+    BasePose,
+    Grasp,
+    MoveBase,
+    Pick,
+    Place,
+    Placement,
+    State,
+)
 from runtime.pick_place.task import Task
 from runtime.robot.model import Body, Floats
 from runtime.robot.urdf import invert

@@ -13,7 +13,8 @@ from runtime.kernels import swept
 from runtime.pick_place.state import Placement
 
 if TYPE_CHECKING:
-    from runtime.scene.model import Floats, Surface
+    from runtime.robot.model import Floats, Ints
+    from runtime.scene.model import Surface
 
 LATTICE = 0.1
 """Metres between the sites by which a goal region is judged (the published bin size)."""
@@ -31,7 +32,7 @@ class GoalSites:
     key: tuple[object, ...]
     surface: int
     xy: Floats
-    reachable: Floats
+    reachable: Ints
     tolerance: float
     yaw: float | None = None
     symmetry: int = 0

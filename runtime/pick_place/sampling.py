@@ -258,9 +258,7 @@ class Sampler:
         boxes = np.array([task.object_row(index, p) for p in placements]).reshape(-1, 8)
         barred = swept.barred_matrix(xy, grips, boxes, task.strip) & reachable[:, None]
         ways = np.bitwise_count(barred).sum(axis=0) if len(xy) else np.zeros(len(placements))
-        distance = np.hypot(
-            boxes[:, 0] - state.base.x * UNIT, boxes[:, 1] - state.base.y * UNIT
-        )
+        distance = np.hypot(boxes[:, 0] - state.base.x * UNIT, boxes[:, 1] - state.base.y * UNIT)
         return [placements[i] for i in np.lexsort((distance, ways))]
 
     def _goal_placements(

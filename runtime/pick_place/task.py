@@ -17,7 +17,7 @@ from runtime.pick_place.goals import GoalSites, lattice
 from runtime.pick_place.shapes import Shape, box_shape
 from runtime.pick_place.state import BasePose, Grasp, Placement, State
 from runtime.pick_place.words import WordGoals
-from runtime.robot.model import Floats, RobotModel
+from runtime.robot.model import Floats, Ints, RobotModel
 from runtime.scene.model import PoseGoal, RegionGoal, Scene
 
 CACHED_ARRANGEMENTS = 512
@@ -100,11 +100,11 @@ class Task:
         reachable = self.reachable_sites(xy, rest)
         return GoalSites(("pose", index), goal.surface, xy, reachable, goal.tolerance)
 
-    def reachable_sites(self, xy: Floats, rest: float) -> Floats:
+    def reachable_sites(self, xy: Floats, rest: float) -> Ints:
         """Bits of the headings (S,) from which the robot could grasp at sites (S, 2)."""
         workspace = self.robot.workspace
         height = rest + min(shape.grasp_height for shape in self.shapes)
-        return swept.reachable_headings(
+        bits: Ints = swept.reachable_headings(
             xy,
             self.strip,
             np.array(workspace.centre),
@@ -115,6 +115,7 @@ class Task:
             height + 0.03,
             *self.room,
         )
+        return bits
 
     def reachable_at(self, placement: Placement) -> int:
         """Bits of the headings from which the robot could grasp an object placed there."""
@@ -237,7 +238,8 @@ class Task:
         widths = self._widths[index]
         if turn - low < 1e-3 or high - turn < 1e-3:
             return np.roll(widths, round(turn))
-        return np.maximum(np.roll(widths, low), np.roll(widths, high))
+        wider: Floats = np.maximum(np.roll(widths, low), np.roll(widths, high))
+        return wider
 
     def place_grip(self, index: int, grasp: Grasp | None) -> float:
         """Half the width of an object between the fingers: of the grasp that holds it, or

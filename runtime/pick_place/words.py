@@ -75,9 +75,7 @@ class WordGoals:
                 blocks[index] = (lx, ly, aligned)
         return blocks
 
-    def _best_row(
-        self, blocks: dict[int, tuple[float, float, bool]]
-    ) -> tuple[Row, dict[int, int]]:
+    def _best_row(self, blocks: dict[int, tuple[float, float, bool]]) -> tuple[Row, dict[int, int]]:
         """The row with the largest valid sequence; among equals the one whose empty slots
         the fewest blocks stand in."""
         best: tuple[int, int, Row, dict[int, int]] | None = None
@@ -124,9 +122,7 @@ class WordGoals:
             for x, y in row.slots
         )
 
-    def _filled(
-        self, row: Row, blocks: dict[int, tuple[float, float, bool]]
-    ) -> dict[int, int]:
+    def _filled(self, row: Row, blocks: dict[int, tuple[float, float, bool]]) -> dict[int, int]:
         """Slots of a row that hold a block with their letter."""
         filled = {}
         for number, (sx, sy) in enumerate(row.slots):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass
 
 from runtime.search.problem import Action, Motion, SearchProblem, State
@@ -15,7 +15,10 @@ GOAL = "goal"
 
 @dataclass(frozen=True)
 class Subgoal:
-    """One subplan: the rule that fired, feature values before and after, what was done."""
+    """One subplan: the rule that fired, feature values before and after, what was done.
+
+    `rejected` counts the candidates that died at each step of X on the way.
+    """
 
     rule: str
     before: Values
@@ -27,6 +30,7 @@ class Subgoal:
     width: int
     expanded: int
     generated: int
+    rejected: Mapping[str, int]
 
 
 class Guide:

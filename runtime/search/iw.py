@@ -7,6 +7,7 @@ time in the search. A subgoal that is found is a closest one among the states ke
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Hashable
 from dataclasses import dataclass
 
 from runtime.search.guide import Guide, Values
@@ -66,7 +67,7 @@ def iw(
     while queue:
         node = queue.popleft()
         effort.expanded += 1
-        candidates = []
+        candidates: list[tuple[bool, int, Action, State, tuple[Hashable, ...], str | None]] = []
         for action, state in subproblem.actions(node.state):
             effort.generated += 1
             atoms = guide.atoms(state)

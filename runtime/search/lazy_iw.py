@@ -49,6 +49,7 @@ class LazyNode:
     connected: bool = True
     queued: bool = False
     expanded: bool = False
+    tried: set[Action] = field(default_factory=set)
 
 
 class LazyIW:
@@ -96,7 +97,7 @@ class LazyIW:
                 if path is not None:
                     assert child.rule is not None
                     return path, child.rule
-                if not node.connected:
+                if self._is_cut_off(node):
                     break
         return None
 
@@ -105,6 +106,9 @@ class LazyIW:
     def _expand(self, node: LazyNode) -> Iterator[LazyNode]:
         """Generate the children of a node; yields those that are subgoals."""
         for action, state in self.subproblem.actions(node.state):
+            if action in node.tried:
+                continue
+            node.tried.add(action)
             self.effort.generated += 1
             child = self.nodes.get(state)
             known = child is not None
@@ -179,6 +183,13 @@ class LazyIW:
             novel |= not any(other.connected for other in supporters)
             supporters.append(node)
         return novel
+
+    def _is_cut_off(self, node: LazyNode) -> bool:
+        """Whether validation has cut a node off from the root; the rest of its children can
+        wait until another edge leads to it."""
+        if not node.connected:
+            node.expanded = False
+        return not node.connected
 
     def _is_main(self, node: LazyNode) -> bool:
         return any(self._main(item) is node for item in node.tuples)

@@ -35,6 +35,8 @@ class Outcome:
     stuck: Values | None = None
 
 
+Profile = dict[str, dict[str, float]]
+
 Progress = Callable[[Subgoal, float], None]
 
 
@@ -151,6 +153,7 @@ def _subgoal(
     limits: Limits,
     rng: np.random.Generator,
 ) -> Subgoal | None:
+    before = problem.profile_dict()
     for attempt, k in schedule(limits):
         limits.check()
         subproblem = problem.subproblem(outcome.state, attempt, rng)
@@ -173,8 +176,18 @@ def _subgoal(
                 width=k,
                 expanded=effort.expanded,
                 generated=effort.generated,
+                rejected=_rejected(before, problem.profile_dict()),
             )
     return None
+
+
+def _rejected(before: Profile, after: Profile) -> dict[str, int]:
+    """Candidates rejected at each step of X between two profiles."""
+    rejected = {}
+    for name, step in after.items():
+        asked = step["calls"] - before[name]["calls"]
+        rejected[name] = int(asked - (step["successes"] - before[name]["successes"]))
+    return rejected
 
 
 def _why(guide: Guide, values: Values) -> str:

@@ -69,11 +69,12 @@ def command(
     """
     from runtime.errors import InputError
     from sketchlang.compile import EvaluationError
+    from sketchlang.domain import SceneError
 
     loaded = load_valid(sketch, domain_file)
     try:
         report = _run(loaded, scene, planner, seed, timeout, k_max, robot, out, as_json)
-    except InputError as error:
+    except (InputError, SceneError) as error:
         fail(str(error))
     except EvaluationError as error:
         fail(f"the sketch cannot be evaluated: {error}")

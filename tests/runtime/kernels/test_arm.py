@@ -172,9 +172,7 @@ def test_paths_are_refused_for_something_within_reach_of_the_margin(robot, held,
         path[1] = path[0] + (path[1] - path[0]) * 0.2
         if not context.path_is_free(path, margin):
             refused += 1
-            gaps = [
-                arm_distance(robot.chain, body, context.world, q) for q in along(path, 200)
-            ]
+            gaps = [arm_distance(robot.chain, body, context.world, q) for q in along(path, 200)]
             assert min(gaps) <= math.sqrt(3.0) * margin + 0.005
     assert refused
 
@@ -188,9 +186,7 @@ def test_the_segment_that_collides_is_named(robot) -> None:
     free = robot.home - 0.2 * nudge
     path = np.array([free, robot.home - 0.1 * nudge, free, robot.home + nudge])
     context = ArmContext(robot, body, world)
-    found = arm.path_collides(
-        *robot.chain, *body, context.world, 0.004, robot.sweep, path
-    )
+    found = arm.path_collides(*robot.chain, *body, context.world, 0.004, robot.sweep, path)
     assert found == 2
 
 

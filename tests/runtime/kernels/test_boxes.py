@@ -116,9 +116,7 @@ def test_kernels_agree_with_their_plain_twin(hit, rng) -> None:
         pose, half, row = random_pair(rng)
         margin = float(rng.uniform(0.0, 0.1))
         grown = row[3:6] + margin
-        assert hit(pose, half, row, margin) == boxes_overlap(
-            pose, half, upright_pose(row), grown
-        )
+        assert hit(pose, half, row, margin) == boxes_overlap(pose, half, upright_pose(row), grown)
 
 
 def upright_gap(pose: Floats, half: Floats, row: Floats, enough: float) -> float:

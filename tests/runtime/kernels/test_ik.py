@@ -13,9 +13,7 @@ from tests.runtime.reference import Floats, forward, homogeneous, turn_z
 
 
 def solve(robot: RobotModel, target: Floats, q: Floats, iterations: int = 60) -> bool:
-    return bool(
-        ik.solve(*robot.chain, robot.lower, robot.upper, robot.tool, target, q, iterations)
-    )
+    return bool(ik.solve(*robot.chain, robot.lower, robot.upper, robot.tool, target, q, iterations))
 
 
 def tool_pose(robot: RobotModel, q: Floats) -> Floats:

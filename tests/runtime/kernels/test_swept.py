@@ -145,9 +145,7 @@ def test_least_barred_headings_agree_with_brute_force(rng) -> None:
         counts = rng.integers(0, 4, (3, swept.HEADINGS)).astype(np.int32)
         minus = [random_headings(rng) for _ in range(3)]
         value = {
-            (i, k): counts[i, k] - (k in minus[i])
-            for i in range(3)
-            for k in range(swept.HEADINGS)
+            (i, k): counts[i, k] - (k in minus[i]) for i in range(3) for k in range(swept.HEADINGS)
         }
         least = min(value.values())
         found = swept.least_barred(counts, np.array([bits_of(h) for h in minus]))
@@ -193,9 +191,7 @@ def test_sites_are_occupied_where_something_round_would_touch(rng) -> None:
 def test_nearest_static_looks_at_the_given_heights_only(rng) -> None:
     statics = random_uprights(rng, 6, 0.5)
     low, high = 0.1, 0.2
-    at_height = [
-        row for row in statics if row[2] + row[5] > low and row[2] - row[5] < high
-    ]
+    at_height = [row for row in statics if row[2] + row[5] > low and row[2] - row[5] < high]
     assert 0 < len(at_height) < 6
     for _ in range(50):
         x, y = rng.uniform(-1, 1, 2)
@@ -224,9 +220,7 @@ def test_reachable_headings_need_a_stand_and_a_free_strip(rng) -> None:
             if min(abs(arm - STRIP[3]), abs(fingers - STRIP[3] / 2)) < 1e-3:
                 continue  # sampling cannot tell
             barred = arm < STRIP[3] or fingers < STRIP[3] / 2
-            stand = reference.has_stand(
-                site, k, SHOULDER, 0.2, (0.35, 0.72), statics, clearance
-            )
+            stand = reference.has_stand(site, k, SHOULDER, 0.2, (0.35, 0.72), statics, clearance)
             seen.add((barred, stand))
             assert bool(bits >> k & 1) == (stand and not barred)
     assert len(seen) >= 3

@@ -16,9 +16,7 @@ AT = '[[goal]]\nobject = "{}"\nat = [{}, {}]\n'
 
 def stick(name: str, x: float, y: float, more: str = "") -> str:
     """A stick of 4 cm by 4 cm."""
-    return (
-        f'[[object]]\nname = "{name}"\nsize = [0.04, 0.04, 0.2]\nat = [{x}, {y}]\n{more}\n'
-    )
+    return f'[[object]]\nname = "{name}"\nsize = [0.04, 0.04, 0.2]\nat = [{x}, {y}]\n{more}\n'
 
 
 def task(folder: Path, *entries: str) -> Task:

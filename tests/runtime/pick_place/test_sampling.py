@@ -69,7 +69,6 @@ def test_sampled_placements_are_inside_their_surface(crowded) -> None:
 
 
 def test_sampled_placements_touch_nothing_that_stands(crowded) -> None:
-    """Goal points are the exception: the scene names them, occupied or not."""
     task = crowded.task
     for state, placement in placements(crowded):
         box = box_of(task, state.held, placement).row()

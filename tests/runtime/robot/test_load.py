@@ -45,8 +45,7 @@ def test_fingers_open_to_both_sides_by_half_each(tmp_path) -> None:
     assert robot.gripper.max_opening == pytest.approx(0.08)
     body = robot.body(0.05)
     inner_faces = sorted(
-        float(body.pose[i][1, 3] - side * body.half[i][1])
-        for i, side in robot.gripper.fingers
+        float(body.pose[i][1, 3] - side * body.half[i][1]) for i, side in robot.gripper.fingers
     )
     assert inner_faces == pytest.approx([-0.025, 0.025])
 
@@ -88,9 +87,7 @@ def test_the_digest_follows_both_files(tmp_path) -> None:
 
 # -- mistakes ----------------------------------------------------------------------------------
 
-CYLINDER = URDF.replace(
-    '<box size="0.1 0.1 0.4"/>', '<cylinder radius="0.1" length="0.4"/>'
-)
+CYLINDER = URDF.replace('<box size="0.1 0.1 0.4"/>', '<cylinder radius="0.1" length="0.4"/>')
 MESH = URDF.replace('<box size="0.1 0.1 0.4"/>', '<mesh filename="mast.stl"/>')
 CYCLE = URDF.replace('<parent link="foot"/>', '<parent link="grasp"/>')
 ISLAND = URDF.replace("</robot>", '<link name="island"/></robot>')
@@ -195,7 +192,9 @@ LINES = TOML.splitlines()
 XML_WORDS = sorted(set(re.findall(r'"[^"]*"|<[^>]*>', URDF)))
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(
+    max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
 @given(data=st.data())
 def test_any_change_gives_a_robot_or_an_input_error(tmp_path: Path, data: st.DataObject) -> None:
     toml, urdf = TOML, URDF

@@ -64,7 +64,12 @@ def test_the_fence_encloses_a_square(tmp_path) -> None:
     scene = read(tmp_path, SCENE)
     panels = [obstacle.box for obstacle in scene.obstacles if "fence" in obstacle.name]
     assert len(panels) == 4
-    for x, y, inside in [(2.49, 2.49, False), (2.52, 0, True), (-2.52, 2.52, True), (0, 2.6, False)]:
+    for x, y, inside in [
+        (2.49, 2.49, False),
+        (2.52, 0, True),
+        (-2.52, 2.52, True),
+        (0, 2.6, False),
+    ]:
         assert any(
             abs(lx) <= panel.size[0] / 2 and abs(ly) <= panel.size[1] / 2
             for panel in panels

@@ -262,9 +262,7 @@ def test_an_object_moved_under_an_unchanged_digest_is_not_gripped(
     moved = dataclasses.replace(sticks.objects[index], start=(x - 0.15, y, yaw))
     objects = (*sticks.objects[:index], moved, *sticks.objects[index + 1 :])
     scene = dataclasses.replace(sticks, objects=objects)
-    rejected(
-        certify(parse(tmp_path, plan_data), scene, robot), "not between the fingers", "hits"
-    )
+    rejected(certify(parse(tmp_path, plan_data), scene, robot), "not between the fingers", "hits")
 
 
 def test_a_grip_that_never_closes_is_missed(judge, plan_data) -> None:

@@ -1,0 +1,34 @@
+"""Novelty tables against sets of tuples."""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from runtime.search.novelty import NoveltyTable
+
+ATOMS = st.lists(st.integers(0, 6), max_size=5, unique=True).map(tuple)
+
+
+@pytest.mark.parametrize("k", [1, 2, 3])
+@given(states=st.lists(ATOMS, max_size=12))
+def test_a_state_is_novel_if_a_tuple_of_its_atoms_is_new(k, states) -> None:
+    table, seen = NoveltyTable(k), set()
+    for atoms in states:
+        tuples = {
+            frozenset(found) for size in range(1, k + 1) for found in combinations(atoms, size)
+        }
+        assert table.is_novel(atoms) == bool(tuples - seen)
+        table.add(atoms)
+        seen |= tuples
+        assert not table.is_novel(atoms)
+
+
+def test_atoms_of_different_kinds_live_together() -> None:
+    table = NoveltyTable(2)
+    table.add(((0, "a"), (1, 3), (1, None)))
+    assert not table.is_novel(((1, None), (0, "a")))
+    assert table.is_novel(((1, None), (0, "b")))

@@ -1,0 +1,169 @@
+"""Imports go one way, and names stay where they belong."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+PACKAGES = ("grammars", "sketchlang", "runtime", "domains")
+HEAVY = ("numpy", "numba", "scipy", "trimesh", "ompl", "fcl", "pybullet", "networkx")
+
+
+def modules(*folders: str) -> list[Path]:
+    """Python files of folders, relative to the root."""
+    return sorted(
+        path.relative_to(ROOT) for folder in folders for path in (ROOT / folder).rglob("*.py")
+    )
+
+
+def names(node: ast.Import | ast.ImportFrom, path: Path) -> Iterator[str]:
+    """Absolute module names that a statement imports."""
+    if isinstance(node, ast.Import):
+        yield from (alias.name for alias in node.names)
+        return
+    package = list(path.parts[: len(path.parts) - node.level]) if node.level else []
+    prefix = ".".join([*package, *([node.module] if node.module else [])])
+    yield prefix
+    yield from (f"{prefix}.{alias.name}" for alias in node.names)
+
+
+def is_type_checking(node: ast.stmt) -> bool:
+    return isinstance(node, ast.If) and "TYPE_CHECKING" in ast.dump(node.test)
+
+
+def imports(path: Path, lazy: bool) -> set[str]:
+    """What a file imports: when it is loaded, or with `lazy` at any time; never for types only."""
+    found: set[str] = set()
+    pending: list[ast.AST] = list(ast.parse((ROOT / path).read_text(encoding="utf-8")).body)
+    while pending:
+        node = pending.pop()
+        if isinstance(node, ast.Import | ast.ImportFrom):
+            found |= set(names(node, path))
+        elif isinstance(node, ast.stmt) and is_type_checking(node):
+            continue
+        elif lazy or not isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+            pending += ast.iter_child_nodes(node)
+    return found
+
+
+def within(name: str, packages: tuple[str, ...]) -> bool:
+    return any(name == package or name.startswith(package + ".") for package in packages)
+
+
+def test_the_reader_of_imports_sees_them(tmp_path, monkeypatch) -> None:
+    """Guards the tests below against passing because nothing is read."""
+    assert "numpy" in imports(Path("runtime/robot/model.py"), lazy=False)
+    assert "runtime.pick_place.problem.load_problem" in imports(
+        Path("domains/tabletop/__init__.py"), lazy=True
+    )
+    assert "runtime.pick_place.problem" not in imports(
+        Path("domains/tabletop/__init__.py"), lazy=False
+    )
+    assert len(modules(*PACKAGES)) > 50
+
+
+@pytest.mark.parametrize("path", modules("grammars"), ids=str)
+def test_grammars_import_nothing_of_the_others(path) -> None:
+    assert not [n for n in imports(path, lazy=True) if within(n, PACKAGES[1:])]
+
+
+LANGUAGE = [path for path in modules("sketchlang") if path.parts[1] != "cli"]
+
+
+@pytest.mark.parametrize("path", LANGUAGE, ids=str)
+def test_the_language_knows_neither_runtime_nor_domains_nor_geometry(path) -> None:
+    above = [n for n in imports(path, lazy=True) if within(n, ("runtime", "domains"))]
+    assert not above
+    assert not [n for n in imports(path, lazy=False) if within(n, HEAVY)]
+
+
+@pytest.mark.parametrize("path", LANGUAGE, ids=str)
+def test_the_language_does_not_import_its_command_line(path) -> None:
+    assert not [n for n in imports(path, lazy=True) if within(n, ("sketchlang.cli",))]
+
+
+@pytest.mark.parametrize("path", modules("runtime", "domains"), ids=str)
+def test_runtime_and_domains_do_not_import_the_command_line(path) -> None:
+    assert not [n for n in imports(path, lazy=True) if within(n, ("sketchlang.cli",))]
+
+
+GEOMETRY = tuple(
+    f"runtime.{name}"
+    for name in ("kernels", "motion", "pick_place", "robot", "scene", "validation", "plan")
+)
+
+
+@pytest.mark.parametrize("path", modules("runtime/search"), ids=str)
+def test_the_search_knows_nothing_of_geometry(path) -> None:
+    assert not [n for n in imports(path, lazy=True) if within(n, GEOMETRY)]
+
+
+@pytest.mark.parametrize("path", modules("runtime/validation"), ids=str)
+def test_the_judge_shares_no_collision_code_with_the_planner(path) -> None:
+    planning = ("runtime.kernels", "runtime.pick_place", "runtime.search", "numba", "ompl")
+    planning += tuple(f"runtime.motion.{m}" for m in ("base", "rrt", "arm_context", "room"))
+    assert not [n for n in imports(path, lazy=True) if within(n, planning)]
+
+
+@pytest.mark.parametrize("path", modules("runtime/kernels"), ids=str)
+def test_kernels_import_kernels_only(path) -> None:
+    own = [n for n in imports(path, lazy=True) if within(n, ("runtime",))]
+    assert all(within(n, ("runtime.kernels",)) for n in own)
+
+
+def test_one_place_in_the_runtime_names_the_default_robot() -> None:
+    from runtime.robot.load import built_in_robots
+
+    for name in built_in_robots():
+        lines = [
+            f"{path}: {line.strip()}"
+            for path in modules("runtime", "domains")
+            for line in (ROOT / path).read_text(encoding="utf-8").splitlines()
+            if name in line.lower()
+        ]
+        assert len(lines) <= 1, lines
+
+
+TEXTS = {".py", ".md", ".toml", ".sketch", ".lark", ".txt", ".urdf", ".yml", ".yaml", ".lock", ""}
+OWN_TOP = ("grammars", "sketchlang", "runtime", "domains", "tests", "docs", "benchmarks", ".ci")
+
+
+def texts() -> list[Path]:
+    """Text files of the project."""
+    inside = [path for top in OWN_TOP for path in (ROOT / top).rglob("*")]
+    return [
+        path
+        for path in [*ROOT.iterdir(), *inside]
+        if path.is_file() and path.suffix in TEXTS and "__pycache__" not in path.parts
+    ]
+
+
+FOREIGN = re.compile(
+    r"(?<![\w.])/(work|root|home|mnt|opt)\b(?!:)"  # paths of one machine
+    r"|(pypi|pythonhosted|conda|npmjs)\.(org|com)|index-url[ =]+\S*://|/simple/"  # registries
+)
+
+
+def test_no_file_names_a_machine_or_a_registry() -> None:
+    """Paths of one machine, and where packages come from, do not belong into a project."""
+    found = [
+        f"{path.relative_to(ROOT)}: {line.strip()[:80]}"
+        for path in texts()
+        if path != Path(__file__).resolve()
+        for line in path.read_text(encoding="utf-8", errors="replace").splitlines()
+        if FOREIGN.search(line)
+    ]
+    assert found == []
+    assert len(texts()) > 100
+
+
+@pytest.mark.parametrize(
+    "line", ["see /work/main", "pip install --index-url https://host/x", "https://pypi.org/p"]
+)
+def test_foreign_names_are_recognised(line) -> None:
+    assert FOREIGN.search(line)
