@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Hashable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -22,6 +23,9 @@ from runtime.scene.load import load_scene
 from runtime.search.guide import Subgoal
 from runtime.search.siw_r import Outcome
 from sketchlang.model import SketchModel
+
+if TYPE_CHECKING:
+    from runtime.validation.certify import Certificate
 
 SEEDS = 12
 """Starting points for inverse kinematics, doubled with each attempt up to ..."""
@@ -106,6 +110,13 @@ class PickPlaceProblem:
     ) -> None:
         """Write the plan file."""
         write_plan(document(self.task, model, outcome, planner, seed), path)
+
+    def certify(self, model: SketchModel, outcome: Outcome, planner: str, seed: int) -> Certificate:
+        """Replay the plan in exact geometry."""
+        from runtime.validation.certify import certify
+
+        plan = document(self.task, model, outcome, planner, seed)
+        return certify(plan, self.task.scene, self.task.robot)
 
 
 def load_problem(path: str, options: Mapping[str, object]) -> PickPlaceProblem:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Hashable, Iterable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -71,6 +72,10 @@ class SearchProblem(Protocol):
         """Write the plan of a solved outcome."""
         ...
 
+    def certify(self, model: Any, outcome: Any, planner: str, seed: int) -> Any:
+        """Judge a solved outcome independently: has `valid` and `findings`."""
+        ...
+
 
 class ClassicalSubproblem:
     """All applicable actions; each is executable."""
@@ -131,6 +136,27 @@ class ClassicalProblem:
             "actions": actions,
         }
         write_text(path, json.dumps(data, indent=1) + "\n")
+
+    def certify(self, model: Any, outcome: Any, planner: str, seed: int) -> Certified:
+        state = self.initial
+        for subgoal in outcome.subgoals:
+            for action, after in zip(subgoal.actions, subgoal.states, strict=True):
+                if (action, after) not in list(self._problem.successors(state)):
+                    return Certified((f"{action} is not applicable where it is taken",))
+                state = after
+        return Certified(())
+
+
+@dataclass(frozen=True)
+class Certified:
+    """What a replay of a classical plan found wrong."""
+
+    findings: tuple[str, ...]
+
+    @property
+    def valid(self) -> bool:
+        """Whether nothing was found."""
+        return not self.findings
 
 
 def searchable(problem: Any) -> SearchProblem:

@@ -20,6 +20,7 @@ COMMANDS = {
     "graph": "Draw the policy graph or the rules of a sketch.",
     "run": "Plan a scene with a sketch.",
     "validate": "Certify a plan file with exact geometry.",
+    "bench": "Run a benchmark suite and print its tables.",
 }
 
 

@@ -7,12 +7,13 @@ sampling where the kernels reason.
 from __future__ import annotations
 
 import math
-from itertools import combinations, product
+from itertools import pairwise, product
 
 import fcl
 import numpy as np
 from numpy.typing import NDArray
 
+from runtime.motion.room import Room
 from runtime.robot.model import Body, Chain
 
 Floats = NDArray[np.float64]
@@ -168,7 +169,7 @@ def arm_distance(chain: Chain, body: Body, world: Floats, q: Floats) -> float:
 def along(path: Floats, samples: int) -> Floats:
     """Configurations evenly spaced on every segment of a path, way points included."""
     rows = [path[:1]]
-    for a, b in zip(path[:-1], path[1:], strict=True):
+    for a, b in pairwise(path):
         rows.append(a + (b - a) * (np.arange(1, samples + 1) / samples)[:, None])
     return np.vstack(rows)
 
@@ -205,13 +206,10 @@ def barred_headings(
     barred = set()
     for k in range(HEADINGS):
         seen = outline @ turn_z(2 * math.pi * k / HEADINGS)[:2, :2]
-        low, high = seen.min(axis=0), seen.max(axis=0)
-
-        def meets(start: float, end: float, aside: float) -> bool:
-            return low[0] < end and high[0] > start and low[1] < aside and high[1] > -aside
-
-        if meets(-back, tip, grips[k] + finger) or meets(-length, -back, half_width):
-            barred.add(k)
+        (low, right), (high, left) = seen.min(axis=0), seen.max(axis=0)
+        for start, end, aside in [(-back, tip, grips[k] + finger), (-length, -back, half_width)]:
+            if low < end and high > start and right < aside and left > -aside:
+                barred.add(k)
     return barred
 
 
@@ -239,16 +237,30 @@ def bar_counts(
     return out
 
 
+def in_room(room: Room, point: Floats) -> bool:
+    """Whether a point keeps its clearances, in a cell of the room or next to one."""
+    if any(
+        needed > 0 and point_distance(row, *point) < needed
+        for row, needed in zip(room.boxes, room.clearance, strict=True)
+    ):
+        return False
+    i, j = np.floor((point - [room.x0, room.y0]) / room.cell).astype(int)
+    rows, columns = room.cells.shape
+    if not (0 <= i < rows and 0 <= j < columns):
+        return False
+    around = room.cells[max(0, i - 1) : i + 2, max(0, j - 1) : j + 2]
+    return bool(around.any())
+
+
 def has_stand(
     site: Floats,
     k: int,
     shoulder: Floats,
     tool_offset: float,
     ring: tuple[float, float],
-    statics: Floats,
-    clearance: Floats,
+    room: Room,
 ) -> bool:
-    """Whether a base position on the fan behind the wrist keeps its clearances."""
+    """Whether a base position on the fan behind the wrist is in the room."""
     heading = 2 * math.pi * k / HEADINGS
     wrist = site - tool_offset * np.array([math.cos(heading), math.sin(heading)])
     inner, outer = ring
@@ -257,15 +269,6 @@ def has_stand(
         reach = outer - step * (outer - inner) / 4
         axis = wrist - reach * np.array([math.cos(bearing), math.sin(bearing)])
         yaw = math.atan2(site[1] - axis[1], site[0] - axis[0])
-        base = axis - turn_z(yaw)[:2, :2] @ shoulder
-        if all(
-            needed <= 0 or point_distance(row, *base) >= needed
-            for row, needed in zip(statics, clearance, strict=True)
-        ):
+        if in_room(room, axis - turn_z(yaw)[:2, :2] @ shoulder):
             return True
     return False
-
-
-def all_pairs(count: int) -> list[tuple[int, int]]:
-    """Index pairs i < j."""
-    return list(combinations(range(count), 2))

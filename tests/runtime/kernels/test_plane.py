@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from runtime.kernels import plane
+from runtime.motion.room import room_around
 from tests.runtime import reference
 from tests.runtime.reference import random_uprights
 
@@ -87,3 +88,27 @@ def test_visible_nodes_have_their_distance_and_others_infinity(rng) -> None:
     for node, distance in zip(nodes, found, strict=True):
         clear = plane.segment_is_clear(boxes, clearance, 0.9, 0.9, *node)
         assert distance == (pytest.approx(math.dist((0.9, 0.9), node)) if clear else math.inf)
+
+
+def test_a_room_is_what_hangs_together_with_its_start(rng) -> None:
+    boxes = random_uprights(rng, 6, 1.0)
+    clearance = np.full(6, 0.2)
+    start = np.array([2.0, 2.0])
+    room = room_around(boxes, clearance, *start)
+    answers = set()
+    for point in rng.uniform(-2, 2, (400, 2)):
+        expected = reference.in_room(room, point)
+        answers.add(expected)
+        assert plane.in_room(*room, *point) == expected
+    assert answers == {True, False}
+
+
+def test_cells_of_a_grid_are_clear_where_their_centres_are(rng) -> None:
+    boxes = random_uprights(rng, 4, 0.5)
+    clearance = np.full(4, 0.1)
+    grid = plane.clear_grid(boxes, clearance, -1.0, -0.8, 0.1, 20, 16)
+    for i in range(20):
+        for j in range(16):
+            centre = -1.0 + (i + 0.5) * 0.1, -0.8 + (j + 0.5) * 0.1
+            clear = all(reference.point_distance(row, *centre) >= 0.1 for row in boxes)
+            assert grid[i, j] == clear

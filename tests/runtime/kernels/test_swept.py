@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from runtime.kernels import swept
+from runtime.motion.room import room_around
 from tests.runtime import reference
 from tests.runtime.reference import (
     Floats,
@@ -201,14 +202,14 @@ def test_nearest_static_looks_at_the_given_heights_only(rng) -> None:
 
 
 def test_reachable_headings_need_a_stand_and_a_free_strip(rng) -> None:
-    table = reference.upright_row(np.array([0.9, 0.0, 0.38]), np.array([0.3, 0.45, 0.38]), 0.0)
-    wall = reference.upright_row(np.array([1.05, 0.0, 0.9]), np.array([0.01, 0.45, 0.2]), 0.0)
-    statics, clearance = np.array([table, wall]), np.array([0.4, 0.3])
-    low, high = 0.85, 0.91
+    """A table with a wall behind it, in a room that another wall cuts in two."""
+    table = upright_row(np.array([0.9, 0.0, 0.38]), np.array([0.3, 0.45, 0.38]), 0.0)
+    wall = upright_row(np.array([1.05, 0.0, 0.9]), np.array([0.01, 0.45, 0.2]), 0.0)
+    divide = upright_row(np.array([0.9, 0.9, 0.2]), np.array([30.0, 0.01, 0.2]), 0.0)
+    statics, clearance = np.array([table, wall, divide]), np.array([0.4, 0.3, 0.3])
+    room = room_around(statics, clearance, 0.0, 0.0)
     sites = rng.uniform([0.65, -0.4], [1.15, 0.4], (12, 2))
-    found = swept.reachable_headings(
-        sites, STRIP, SHOULDER, 0.2, 0.35, 0.72, statics, clearance, low, high
-    )
+    found = swept.reachable_headings(sites, STRIP, SHOULDER, 0.2, 0.35, 0.72, 0.85, 0.91, *room)
     seen = set()
     for site, bits in zip(sites, found, strict=True):
         for k in range(swept.HEADINGS):
@@ -220,7 +221,7 @@ def test_reachable_headings_need_a_stand_and_a_free_strip(rng) -> None:
             if min(abs(arm - STRIP[3]), abs(fingers - STRIP[3] / 2)) < 1e-3:
                 continue  # sampling cannot tell
             barred = arm < STRIP[3] or fingers < STRIP[3] / 2
-            stand = reference.has_stand(site, k, SHOULDER, 0.2, (0.35, 0.72), statics, clearance)
+            stand = reference.has_stand(site, k, SHOULDER, 0.2, (0.35, 0.72), room)
             seen.add((barred, stand))
             assert bool(bits >> k & 1) == (stand and not barred)
     assert len(seen) >= 3

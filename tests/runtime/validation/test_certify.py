@@ -150,7 +150,7 @@ def with_neighbour() -> str:
 
 
 def test_a_joint_beyond_its_limit_is_named(judge, plan_data, robot) -> None:
-    number, j, piece = next(p for p in pieces(plan_data, "arm") if len(p[2]["path"]) > 2)
+    number, _, piece = next(p for p in pieces(plan_data, "arm") if len(p[2]["path"]) > 2)
     joint = len(robot.joints) - 1
     piece["path"][1][joint] = float(robot.upper[joint]) + 0.01
     certificate = judge(plan_data)
@@ -334,8 +334,9 @@ def test_a_plan_for_another_robot_is_refused(tmp_path, plan_data, sticks, robot)
     rejected(certify(parse(tmp_path, plan_data), sticks, other), "version of the robot")
 
 
-def test_a_plan_from_another_start_is_refused(judge, plan_data) -> None:
-    plan_data["base_start"][0] += 0.2
+@pytest.mark.parametrize("coordinate", range(3))
+def test_a_plan_from_another_start_is_refused(judge, plan_data, coordinate) -> None:
+    plan_data["base_start"][coordinate] += 0.2
     rejected(judge(plan_data), "does not start where the robot stands")
 
 

@@ -1,0 +1,61 @@
+"""What each suite runs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from runtime.bench.paper import SCENES
+from runtime.bench.runner import Job
+from runtime.errors import InputError
+from runtime.files import write_text
+from runtime.scene.generate import sorting_scene
+from runtime.search.planners import PLANNERS
+
+SIZES = (10, 28, 56, 112, 200)
+
+
+def jobs_of(
+    suite: str,
+    seeds: int | None,
+    planners: Sequence[str],
+    scenes: Sequence[str],
+    timeout: float,
+    out: Path,
+) -> list[Job]:
+    """The jobs of a suite, narrowed to some planners or scenes where these are given.
+
+    Raises:
+        InputError: there is no such planner or scene in the suite.
+    """
+    for planner in planners:
+        if planner not in PLANNERS:
+            known = ", ".join(PLANNERS)
+            raise InputError(f"there is no planner {planner!r}", hint=f"planners: {known}")
+    if suite == "scaling":
+        chosen = list(planners or ["lazy-siiw-r"])
+        known_scenes = _scaling_scenes(out.parent)
+        count = seeds or 3
+    else:
+        chosen = list(planners or PLANNERS)
+        known_scenes = list(SCENES)
+        count = seeds or 10
+    for scene in scenes:
+        if scene not in known_scenes:
+            raise InputError(f"the suite {suite} has no scene {scene!r}")
+    return [
+        Job("pick_and_place", scene, planner, seed, timeout)
+        for scene in (scenes or known_scenes)
+        for planner in chosen
+        for seed in range(count)
+    ]
+
+
+def _scaling_scenes(folder: Path) -> list[str]:
+    """Write the generated scenes beside the results, so that they can be looked at."""
+    paths = []
+    for size in SIZES:
+        path = folder / f"sorting-{size}.toml"
+        write_text(path, sorting_scene(size, seed=size))
+        paths.append(str(path))
+    return paths
