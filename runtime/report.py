@@ -22,7 +22,7 @@ def make_report(
 ) -> dict[str, Any]:
     """The object that `run --json` prints."""
     profile = problem.profile_dict()
-    report = {
+    report: dict[str, Any] = {
         "sketch": model.name,
         "scene": scene,
         "planner": planner,
@@ -42,6 +42,8 @@ def make_report(
     }
     if not outcome.solved:
         report["reason"] = outcome.reason
+        report["rejected"] = outcome.rejected
+        report["obstacles"] = problem.obstacles(outcome.state)
         if outcome.stuck is not None:
             names = [feature.name for feature in model.features]
             report["stuck_at"] = dict(zip(names, outcome.stuck, strict=True))
@@ -65,6 +67,10 @@ def summary(model: SketchModel, report: dict[str, Any], outcome: Outcome) -> lis
                 for feature, value in zip(model.features, outcome.stuck, strict=True)
             )
             lines.append(f"reached {subplans} subgoals; there the features are {values}")
+        lines += [f"  {obstacle}" for obstacle in report["obstacles"]]
+        died = ", ".join(f"{count} at {name}" for name, count in report["rejected"].items())
+        if died:
+            lines.append(f"candidates rejected in the last subproblem: {died}")
     fired = ", ".join(f"{rule} {count}x" for rule, count in report["rules_fired"].items())
     if fired:
         lines.append(f"rules: {fired}")

@@ -111,6 +111,26 @@ class PickPlaceProblem:
         """Write the plan file."""
         write_plan(document(self.task, model, outcome, planner, seed), path)
 
+    def obstacles(self, state: State) -> list[str]:
+        """What keeps each misplaced object from its goal, by the estimate of the features."""
+        task = self.task
+        arrangement = task.arrangement(state.placements)
+        names = [thing.name for thing in task.scene.objects]
+        found = []
+        for index in sorted(task.misplaced(state)):
+            goal = task.goal_sites(index, arrangement)
+            assert goal is not None
+            if state.held != index and not arrangement.reachable[index]:
+                found.append(f"{names[index]} is out of reach: there is nowhere to stand for it")
+            elif not goal.reachable.any():
+                found.append(f"the goal of {names[index]} is out of reach: nowhere to stand for it")
+            elif task.obstructions(state, index):
+                way = ", ".join(names[i] for i in arrangement.in_the_way(index, goal))
+                found.append(f"{names[index]} is obstructed, at its place or its goal, by {way}")
+            elif task.disturbances(state, index):
+                found.append(f"{names[index]} would obstruct others at its goal")
+        return found
+
     def certify(self, model: SketchModel, outcome: Outcome, planner: str, seed: int) -> Certificate:
         """Replay the plan in exact geometry."""
         from runtime.validation.certify import certify

@@ -35,7 +35,7 @@ AIR = 0.002
 LEAST_AIR = 0.0015
 """Less than that, and the planner sees objects touch the table that they rest on."""
 
-LARGEST = 20.0
+LARGEST = 10.0
 """Metres a table may measure."""
 
 FARTHEST = 50.0
@@ -195,6 +195,8 @@ def _goals(
             if index in goals:
                 raise InputError(f"{objects[index].name!r} has two goals", place=entry.place)
             goals[index] = _goal(entry, objects[index], surfaces)
+    if goals and word is not None:
+        raise InputError("a scene asks for a word or for other goals, not both", place=scene.place)
     if not goals and word is None:
         raise InputError(
             "a scene needs at least one [[goal]]",

@@ -72,6 +72,10 @@ class SearchProblem(Protocol):
         """Write the plan of a solved outcome."""
         ...
 
+    def obstacles(self, state: State) -> list[str]:
+        """For a state in which the search is stuck: what is in the way of what."""
+        ...
+
     def certify(self, model: Any, outcome: Any, planner: str, seed: int) -> Any:
         """Judge a solved outcome independently: has `valid` and `findings`."""
         ...
@@ -136,6 +140,9 @@ class ClassicalProblem:
             "actions": actions,
         }
         write_text(path, json.dumps(data, indent=1) + "\n")
+
+    def obstacles(self, state: State) -> list[str]:
+        return []
 
     def certify(self, model: Any, outcome: Any, planner: str, seed: int) -> Certified:
         state = self.initial

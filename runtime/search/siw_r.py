@@ -24,8 +24,9 @@ from sketchlang.compile import CompiledSketch
 
 @dataclass
 class Outcome:
-    """What a search reached. `reason` says why it ended where it did not solve the problem;
-    `stuck` are the feature values there."""
+    """What a search reached. Where it did not solve the problem, `reason` says why it ended,
+    `stuck` are the feature values there, and `rejected` counts the candidates of the last
+    subproblem that died at each step of X."""
 
     solved: bool = False
     subgoals: list[Subgoal] = field(default_factory=list)
@@ -33,6 +34,7 @@ class Outcome:
     state: State = None
     reason: str | None = None
     stuck: Values | None = None
+    rejected: dict[str, int] = field(default_factory=dict)
 
 
 Profile = dict[str, dict[str, float]]
@@ -114,8 +116,10 @@ def serialize(
     """Solve a problem subgoal by subgoal. All randomness comes from `rng`."""
     guide = Guide(sketch, problem)
     outcome = Outcome(state=problem.initial)
+    profile = problem.profile_dict()
     try:
         while True:
+            profile = problem.profile_dict()
             values = guide.values(outcome.state)
             if guide.is_goal(values):
                 outcome.solved = True
@@ -124,6 +128,7 @@ def serialize(
             if subgoal is None:
                 outcome.stuck = values
                 outcome.reason = _why(guide, values)
+                outcome.rejected = _rejected(profile, problem.profile_dict())
                 return outcome
             outcome.subgoals.append(subgoal)
             outcome.state = subgoal.states[-1]
@@ -132,6 +137,7 @@ def serialize(
                 progress(subgoal, limits.elapsed())
     except OutOfTimeError:
         outcome.stuck = guide.values(outcome.state)
+        outcome.rejected = _rejected(profile, problem.profile_dict())
         outcome.reason = f"the time limit of {limits.timeout:g} s is over"
         return outcome
 

@@ -22,7 +22,7 @@ CONTRACT = {
     "execution_time_s", "expanded", "generated", "subplans", "actions", "motion_plans",
     "rules_fired", "profile", "version",
 }  # fmt: skip
-UNSOLVED = CONTRACT | {"reason", "stuck_at"}
+UNSOLVED = CONTRACT | {"reason", "stuck_at", "rejected", "obstacles"}
 STEPS = ["in_arm_workspace", "inverse_kinematics", "motion_plan"]
 
 LARGE = (

@@ -18,6 +18,7 @@ from tests.runtime import reference
 from tests.runtime.reference import Floats, along, arm_distance, arm_touches, random_uprights
 
 HELD = Box("held", np.column_stack([np.eye(3), [0.0, 0.0, 0.02]]), np.array([0.02, 0.02, 0.1]))
+POLE = Box("held", np.column_stack([np.eye(3), [0.0, 0.0, 0.5]]), np.array([0.01, 0.01, 0.6]))
 BODIES = pytest.mark.parametrize("held", [None, HELD], ids=["open", "holding"])
 
 
@@ -190,9 +191,10 @@ def test_the_segment_that_collides_is_named(robot) -> None:
     assert found == 2
 
 
-@BODIES
+@pytest.mark.parametrize("held", [None, HELD, POLE], ids=["open", "holding", "pole"])
 def test_sweep_bounds_how_far_each_box_moves(robot, held, rng) -> None:
     body = robot.body(0.05, held)
+    sweep = ArmContext(robot, body, np.empty((0, 8))).sweep
     for _ in range(40):
         q = random_q(robot, rng)
         before = reference.placed_boxes(robot.chain, body, q)
@@ -206,5 +208,22 @@ def test_sweep_bounds_how_far_each_box_moves(robot, held, rng) -> None:
                     - reference.corners(before[b], body.half[b]),
                     axis=1,
                 ).max()
-                bound = robot.sweep[frame, joint] * abs(moved[joint] - q[joint])
+                bound = sweep[frame, joint] * abs(moved[joint] - q[joint])
                 assert travel <= bound + 1e-9
+
+
+def test_paths_with_a_long_pole_keep_half_the_margin_in_between(robot, rng) -> None:
+    """Its end moves further for a turn of a joint than that of what is usually held."""
+    body = robot.body(0.05, POLE)
+    margin = 0.01
+    free = 0
+    for _ in range(25):
+        context = ArmContext(robot, body, random_uprights(rng, 5, 1.8))
+        start = random_q(robot, rng)
+        path = np.array([start, start + (random_q(robot, rng) - start) * 0.15])
+        if context.path_is_free(path, margin):
+            free += 1
+            for q in along(path, 25):
+                gap = arm_distance(robot.chain, body, context.world, q)
+                assert gap >= margin / 2 - 1e-5
+    assert free

@@ -234,6 +234,11 @@ WORD_MISTAKES = {
     "pitch too small": (("0.07", "0.03"), "pitch", None),
     "negative pitch": (("0.07", "-0.07"), "pitch", None),
     "word too long": (("0.07", "0.7"), "AB", None),
+    "word and other goals": (
+        ("pitch = 0.07", 'pitch = 0.07\n[[goal]]\ncolour = "red"\non = "left"'),
+        "word",
+        None,
+    ),
     "two words": (
         ("pitch = 0.07", 'pitch = 0.07\n[[goal]]\nword = "A"\non = "left"\npitch = 0.07'),
         "word",

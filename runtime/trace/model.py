@@ -1,0 +1,177 @@
+"""A trace in memory. Metres, radians, seconds, world frame unless said otherwise."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from runtime.robot.model import Floats
+from runtime.robot.urdf import Joint, Urdf
+from runtime.scene.model import Scene
+from runtime.trace.track import Track
+
+WORLD = "world"
+"""The frame of things that no link carries."""
+
+
+class Limits(NamedTuple):
+    """What a joint can do: radians or metres, and the same a second."""
+
+    lower: float
+    upper: float
+    velocity: float
+
+
+@dataclass(frozen=True, eq=False)
+class TraceRobot:
+    """A robot: its tree of links, which joints move and how, and its gripper.
+
+    `joints` are the planning joints in chain order, `fingers` the finger joints, `fixed` the
+    values of the other joints, `home` the posture in which it drives, `tool` the link whose
+    frame is the grasp centre (x: approach, y: the fingers open).
+    """
+
+    name: str
+    digest: str
+    urdf: Urdf
+    joints: tuple[str, ...]
+    fingers: tuple[str, ...]
+    fixed: Mapping[str, float]
+    home: Floats
+    tool: str
+    gripper_links: tuple[str, ...]
+    max_opening: float
+
+    def joint(self, name: str) -> Joint:
+        """The joint of a name."""
+        return next(joint for joint in self.urdf.joints.values() if joint.name == name)
+
+
+@dataclass(frozen=True)
+class RuleText:
+    """Where a rule stands: index of the text, half-open range of characters in it."""
+
+    name: str
+    text: int
+    start: int
+    end: int
+
+
+@dataclass(frozen=True)
+class TraceSketch:
+    """The sketch as it was written: texts (name, content), the main file first; its features
+    as (name, `bool` or `nat`); its rules."""
+
+    name: str
+    texts: tuple[tuple[str, str], ...]
+    features: tuple[tuple[str, str], ...]
+    rules: tuple[RuleText, ...]
+
+
+@dataclass(frozen=True)
+class TraceSubgoal:
+    """One subplan: its rule, when it starts and ends, feature values by name there, and the
+    effort of its search; `rejected` counts candidates by the step of X that refused them."""
+
+    rule: str
+    start: float
+    end: float
+    before: Mapping[str, int]
+    after: Mapping[str, int]
+    expanded: int
+    generated: int
+    attempt: int
+    width: int
+    rejected: Mapping[str, int]
+
+
+@dataclass(frozen=True)
+class TraceAction:
+    """One action: `placement` is where a placed object is to stand (x, y, z of its bottom,
+    heading)."""
+
+    name: str
+    subgoal: int
+    object: str | None
+    placement: tuple[float, float, float, float] | None
+    start: float
+    end: float
+
+
+@dataclass(frozen=True)
+class Grip:
+    """At `time` the fingers have closed on an object, or let it go."""
+
+    time: float
+    object: str
+    attach: bool
+
+
+@dataclass(frozen=True)
+class Event:
+    """Something that happened besides the plan: a disturbance, a slip, a verdict."""
+
+    time: float
+    kind: str
+    text: str
+
+
+@dataclass(frozen=True, eq=False)
+class Span:
+    """From `start` on, an object moves with a frame (`WORLD` or a link): its poses (k, 7)
+    there at times (k,), of the middle of its bottom; x, y, z and quaternion x, y, z, w."""
+
+    start: float
+    frame: str
+    times: Floats
+    poses: Floats
+
+    def at(self, time: float) -> Floats:
+        """The pose (7,) in the frame at a time: positions on a line, the nearer rotation."""
+        if len(self.times) == 1:
+            pose: Floats = self.poses[0]
+            return pose
+        after = int(np.clip(np.searchsorted(self.times, time), 1, len(self.times) - 1))
+        before = after - 1
+        span = self.times[after] - self.times[before]
+        share = float(np.clip((time - self.times[before]) / span, 0.0, 1.0)) if span > 0 else 1.0
+        a, b = self.poses[before], self.poses[after]
+        near = b if a[3:] @ b[3:] >= 0 else np.concatenate([b[:3], -b[3:]])
+        mixed = a + share * (near - a)
+        mixed[3:] /= np.linalg.norm(mixed[3:])
+        found: Floats = mixed
+        return found
+
+
+@dataclass(frozen=True, eq=False)
+class Trace:
+    """What a robot did or is to do. `source` is `"plan"` or `"execution"`.
+
+    Tracks: `base` (x, y, heading), `joints` (the planning joints), `opening` of the gripper.
+    `objects` are the spans of each object of the scene, in its order.
+    """
+
+    source: str
+    tool_version: str
+    sketch: TraceSketch
+    scene: Scene
+    robot: TraceRobot
+    planner: str
+    seed: int
+    duration: float
+    subgoals: tuple[TraceSubgoal, ...]
+    actions: tuple[TraceAction, ...]
+    base: Track
+    joints: Track
+    opening: Track
+    grips: tuple[Grip, ...]
+    objects: tuple[tuple[Span, ...], ...]
+    events: tuple[Event, ...] = ()
+
+    def span(self, index: int, time: float) -> Span:
+        """What moves an object at a time."""
+        spans = self.objects[index]
+        return next((span for span in reversed(spans) if span.start <= time), spans[0])
