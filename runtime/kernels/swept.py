@@ -96,6 +96,19 @@ def bar_counts(barred, present, reachable):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
+def shifted_counts(counts, gone, come):  # type: ignore[no-untyped-def]
+    """Counts (S, K) after one object has moved: `gone` (S,) are the headings that it barred
+    before, `come` those that it bars now."""
+    out = counts.copy()
+    for i in range(counts.shape[0]):
+        changed = gone[i] ^ come[i]
+        if changed:
+            for k in range(HEADINGS):
+                out[i, k] += ((come[i] >> k) & 1) - ((gone[i] >> k) & 1)
+    return out
+
+
+@njit(cache=True)
 def residue_minima(counts, minus, plus, modulus):  # type: ignore[no-untyped-def]
     """Fewest barring objects over the sites, by heading modulo `modulus`: (modulus,).
 

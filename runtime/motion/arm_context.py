@@ -52,7 +52,5 @@ class ArmContext:
 
     def path_is_free(self, path: Floats, margin: float = FREE_MARGIN) -> bool:
         """Whether the polyline of configurations (p, n) is free, in between as well."""
-        hit = arm.path_collides(
-            *self.robot.chain, *self.body, self.world, margin, self.sweep, path
-        )
+        hit = arm.path_collides(*self.robot.chain, *self.body, self.world, margin, self.sweep, path)
         return bool(hit < 0)

@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 
 Placements = tuple[Placement | None, ...]
 
+MAX_HALF = 0.5
+"""Metres; no object is larger than twice that across."""
+
 FAR_OFF = np.array([1e3, 1e3, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0])
 """The box of an object that is away."""
 
@@ -30,16 +33,28 @@ FAR_OFF = np.array([1e3, 1e3, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0])
 class Arrangement:
     """The geometry of one arrangement, computed as far as it is asked for."""
 
-    def __init__(self, task: Task, placements: Placements) -> None:
+    def __init__(
+        self, task: Task, placements: Placements, origin: tuple[Arrangement, int] | None = None
+    ) -> None:
+        """`origin` is an arrangement that differs in the placement of one object only, and
+        that object: what is known of it is carried over, and only what changed is computed."""
         self.task = task
         self.placements = placements
+        self._origin = origin
         n = len(placements)
-        self.present = np.array([placement is not None for placement in placements], dtype=bool)
-        # Objects that are away stand far off, where they bar nothing.
-        self.boxes = np.tile(FAR_OFF, (n, 1))
-        for i, placement in enumerate(placements):
-            if placement is not None:
-                self.boxes[i] = task.object_row(i, placement)
+        if origin is None:
+            # Objects that are away stand far off, where they bar nothing.
+            self.boxes = np.tile(FAR_OFF, (n, 1))
+            self.present = np.zeros(n, dtype=bool)
+            changed = range(n)
+        else:
+            self.boxes = origin[0].boxes.copy()
+            self.present = origin[0].present.copy()
+            changed = range(origin[1], origin[1] + 1)
+        for i in changed:
+            placement = placements[i]
+            self.present[i] = placement is not None
+            self.boxes[i] = FAR_OFF if placement is None else task.object_row(i, placement)
         self.xy = self.boxes[:, :2]
         self.misplaced: dict[Grasp | None, frozenset[int]] = {}
         self._alpha: dict[tuple[int, Grasp | None], int] = {}
@@ -49,20 +64,35 @@ class Arrangement:
     @cached_property
     def barred(self) -> Ints:
         """(n, n): headings at the place of object i that object j bars."""
-        task = self.task
-        barred: Ints = swept.barred_matrix(self.xy, self.grips, self.boxes, task.strip)
-        np.fill_diagonal(barred, 0)
+        strip = self.task.strip
+        barred: Ints
+        if self._origin is None:
+            barred = swept.barred_matrix(self.xy, self.grips, self.boxes, strip)
+            np.fill_diagonal(barred, 0)
+            return barred
+        before, i = self._origin
+        one = slice(i, i + 1)
+        barred = before.barred.copy()
+        barred[i] = swept.barred_matrix(self.xy[one], self.grips[one], self.boxes, strip)[0]
+        barred[:, i] = swept.barred_matrix(self.xy, self.grips, self.boxes[one], strip)[:, 0]
+        barred[i, i] = 0
         return barred
 
     @cached_property
     def grips(self) -> Floats:
         """(n, K): half the width of each standing object across each heading, metres."""
-        return np.array(
-            [
-                np.zeros(HEADINGS) if placement is None else self.task.grips(i, placement.pose[2])
-                for i, placement in enumerate(self.placements)
-            ]
-        )
+        if self._origin is None:
+            return np.array([self._grips_of(i) for i in range(len(self.placements))])
+        before, i = self._origin
+        grips = before.grips.copy()
+        grips[i] = self._grips_of(i)
+        return grips
+
+    def _grips_of(self, index: int) -> Floats:
+        placement = self.placements[index]
+        if placement is None:
+            return np.zeros(HEADINGS)
+        return self.task.grips(index, placement.pose[2])
 
     @cached_property
     def letters(self) -> dict[int, GoalSites]:
@@ -73,18 +103,33 @@ class Arrangement:
     @cached_property
     def reachable(self) -> Ints:
         """(n,): headings from which the robot could come to each object."""
-        return np.array(
-            [
-                0 if placement is None else self.task.reachable_at(placement)
-                for placement in self.placements
-            ],
-            dtype=np.int64,
-        )
+        if self._origin is None:
+            each = [self._reachable_of(i) for i in range(len(self.placements))]
+            return np.array(each, dtype=np.int64)
+        before, i = self._origin
+        reachable = before.reachable.copy()
+        reachable[i] = self._reachable_of(i)
+        return reachable
+
+    def _reachable_of(self, index: int) -> int:
+        placement = self.placements[index]
+        return 0 if placement is None else self.task.reachable_at(placement)
 
     @cached_property
     def pick_counts(self) -> Ints:
         """(n, K): how many objects bar each heading to each object."""
-        counts: Ints = swept.bar_counts(self.barred, self.present, self.reachable)
+        counts: Ints
+        if self._origin is None:
+            counts = swept.bar_counts(self.barred, self.present, self.reachable)
+            return counts
+        before, i = self._origin
+        one = slice(i, i + 1)
+        counts = swept.shifted_counts(
+            before.pick_counts,
+            before.barred[:, i] * before.present[i],
+            self.barred[:, i] * self.present[i],
+        )
+        counts[i] = swept.bar_counts(self.barred[one], self.present, self.reachable[one])[0]
         return counts
 
     def free_headings(self, index: int) -> int:
@@ -98,10 +143,30 @@ class Arrangement:
         key = (goal.key, grip)
         if key not in self._places:
             grips = np.full((len(goal.xy), HEADINGS), grip)
-            barred = swept.barred_matrix(goal.xy, grips, self.boxes, self.task.strip)
-            counts = swept.bar_counts(barred, self.present, goal.reachable)
+            strip = self.task.strip
+            barred: Ints
+            if self._origin is None:
+                barred = swept.barred_matrix(goal.xy, grips, self.boxes, strip)
+                counts = swept.bar_counts(barred, self.present, goal.reachable)
+            else:
+                before, i = self._origin
+                known, counts = before.place_counts(goal, grip)
+                column = swept.barred_matrix(goal.xy, grips, self.boxes[i : i + 1], strip)[:, 0]
+                gone, come = known[:, i] * before.present[i], column * self.present[i]
+                if gone.any() or come.any():
+                    barred = known.copy()
+                    barred[:, i] = column
+                    counts = swept.shifted_counts(counts, gone, come)
+                else:
+                    barred = known
             self._places[key] = barred, counts
         return self._places[key]
+
+    def settle(self) -> None:
+        """Compute what has been put off and let go of the origin."""
+        if self._origin is not None:
+            _ = self.barred, self.grips, self.reachable, self.pick_counts
+            self._origin = None
 
     def obstructions(self, index: int, goal: GoalSites, grasp: Grasp | None = None) -> int:
         """alpha: fewest objects in the way of picking an object up and putting it at its
@@ -160,17 +225,22 @@ class Arrangement:
 
         The object itself must be away in this arrangement.
         """
-        return sum(
-            self._is_disturbed(other, index, placement)
-            for other in misplaced
-            if other != index and self.placements[other] is not None
-        )
+        x, y, _ = placement.pose
+        strip = self.task.strip
+        reach = strip[2] + strip[3] + MAX_HALF
+        near = np.hypot(self.xy[:, 0] - x, self.xy[:, 1] - y) < reach
+        count = 0
+        for other in misplaced:
+            if other == index or self.placements[other] is None:
+                continue
+            goal = self.task.goal_sites(other, self)
+            # Far from where it is and from where it belongs, nothing is in its way.
+            if goal is not None and (near[other] or goal.surface == placement.surface):
+                count += self._is_disturbed(other, goal, index, placement)
+        return count
 
-    def _is_disturbed(self, other: int, index: int, placement: Placement) -> bool:
+    def _is_disturbed(self, other: int, goal: GoalSites, index: int, placement: Placement) -> bool:
         """Whether alpha of `other` rises with object `index` at a placement."""
-        goal = self.task.goal_sites(other, self)
-        if goal is None:
-            return False
         if goal.modulus > 1:
             before = self.obstructions(other, goal)
             return self._obstructions(other, goal, None, (index, placement)) > before

@@ -4,6 +4,7 @@ functions over states (misplaced, obstructions, disturbances, ...)."""
 from __future__ import annotations
 
 from collections import OrderedDict
+from itertools import islice
 
 import numpy as np
 
@@ -20,7 +21,13 @@ from runtime.pick_place.words import WordGoals
 from runtime.robot.model import Floats, Ints, RobotModel
 from runtime.scene.model import PoseGoal, RegionGoal, Scene
 
-CACHED_ARRANGEMENTS = 512
+CACHED_OBJECTS = 12_000
+"""As many arrangements are remembered as hold so many objects together, and not less than ..."""
+
+MIN_CACHED = 48
+LOOK_BACK = 12
+"""Arrangements that are looked through for one that differs in one object only."""
+
 PLACING_INSET = 0.005
 """Metres between the edge of a surface and the outline of an object placed on it."""
 
@@ -52,6 +59,7 @@ class Task:
         self.room = room_around(self.statics, self.clearance, *scene.robot_start[:2])
         self._arrangements: OrderedDict[Placements, Arrangement] = OrderedDict()
         self._reachable: dict[tuple[float, float, int], int] = {}
+        self._holds: dict[object, bool] = {}
         self._rows: dict[tuple[int, Placement], Floats] = {}
         self.goals = self._static_goals()
         self.words = WordGoals(self, scene.word) if scene.word is not None else None
@@ -136,11 +144,28 @@ class Task:
         """The geometry of an arrangement, from the cache where it is known."""
         found = self._arrangements.get(placements)
         if found is None:
-            found = Arrangement(self, placements)
+            found = Arrangement(self, placements, self._origin_of(placements))
             self._arrangements[placements] = found
-            if len(self._arrangements) > CACHED_ARRANGEMENTS:
+            if len(self._arrangements) > max(MIN_CACHED, CACHED_OBJECTS // len(placements)):
                 self._arrangements.popitem(last=False)
+        else:
+            self._arrangements.move_to_end(placements)
         return found
+
+    def _origin_of(self, placements: Placements) -> tuple[Arrangement, int] | None:
+        """A recent arrangement that differs in one object only, and that object."""
+        for known in islice(reversed(self._arrangements), LOOK_BACK):
+            changed = -1
+            for i, (a, b) in enumerate(zip(known, placements, strict=True)):
+                if a is not b and a != b:
+                    if changed >= 0:
+                        break
+                    changed = i
+            else:
+                origin = self._arrangements[known]
+                origin.settle()
+                return origin, changed
+        return None
 
     def goal_sites(self, index: int, arrangement: Arrangement) -> GoalSites | None:
         """Where an object should stand, or None where it may stand anywhere."""
@@ -167,7 +192,11 @@ class Task:
         placement = state.placements[index]
         if placement is None:
             return arrangement.obstructions(index, goal, state.grasp) > 0
-        return not goal.holds(placement)
+        key = (goal.key, placement)
+        holds = self._holds.get(key)
+        if holds is None:
+            holds = self._holds[key] = goal.holds(placement)
+        return not holds
 
     def obstructions(self, state: State, index: int) -> int:
         """alpha of an object: fewest objects in the way of picking it up and of putting it

@@ -31,6 +31,18 @@ domain_option = click.option(
 )
 
 
+def trace_options(command: Callable[P, R]) -> Callable[P, R]:
+    """FILE, a plan or a trace, and what a plan refers to where that is not built in."""
+    for option in (
+        click.option("--sketch", help="The sketch, where a plan does not name a built-in one."),
+        click.option("--robot", help="The robot, where a plan does not name a built-in one."),
+        click.option("--scene", help="The scene, where a plan does not name a built-in one."),
+        click.argument("file", type=click.Path(path_type=Path)),
+    ):
+        command = option(command)
+    return command
+
+
 def interruptible(command: Callable[P, R]) -> Callable[P, R]:
     """Lets Ctrl-C end a command with one word instead of a verdict's exit status."""
 

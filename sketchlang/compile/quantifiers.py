@@ -7,7 +7,6 @@ quantifier may have a variable of the same level.
 # ruff: noqa: B020 (`for frame[slot] in ...` assigns to a place in the list, not to its name)
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 from sketchlang.compile.seam import Frame, Run
@@ -26,9 +25,11 @@ def quantifier(
             return _count(slot, over, condition, body)
         case "sum":
             return _sum(slot, over, condition, body)
+        case "min":
+            return _least(slot, over, condition, body, default)
         case _:
             values = _values(slot, over, condition, body)
-            return _extreme(min if kind == "min" else max, slot, values, default)
+            return _greatest(slot, values, default)
 
 
 def _search(slot: int, over: Run, condition: Run | None, body: Run, wanted: bool) -> Run:
@@ -133,15 +134,40 @@ def _values(slot: int, over: Run, condition: Run | None, body: Run) -> Run:
     return run
 
 
-def _extreme(best: Callable[[list[Any]], Any], slot: int, values: Run, default: Run | None) -> Run:
-    """Minimum or maximum; over no elements the default, and 0 without one."""
+def _least(slot: int, over: Run, condition: Run | None, body: Run, default: Run | None) -> Run:
+    """Minimum; over no elements the default, and 0 without one.
+
+    No value is less than 0, so the first 0 ends the loop: values can be costly.
+    """
+    holds = condition or (lambda _: True)
+
+    def run(frame: Frame) -> Any:
+        outer = frame[slot]
+        least = None
+        for frame[slot] in over(frame):
+            if holds(frame):
+                value = body(frame)
+                if least is None or value < least:
+                    least = value
+                    if least == 0:
+                        break
+        frame[slot] = outer
+        if least is not None:
+            return least
+        return default(frame) if default is not None else 0
+
+    return run
+
+
+def _greatest(slot: int, values: Run, default: Run | None) -> Run:
+    """Maximum; over no elements the default, and 0 without one."""
 
     def run(frame: Frame) -> Any:
         outer = frame[slot]
         found = values(frame)
         frame[slot] = outer
         if found:
-            return best(found)
+            return max(found)
         return default(frame) if default is not None else 0
 
     return run

@@ -148,7 +148,7 @@ def test_an_unreachable_goal_ends_in_time_and_says_why(tmp_path) -> None:
     assert time.monotonic() - started < 60  # and not for ever
     assert done.exit_code == 1
     found = json.loads(done.stdout)
-    assert set(found) == UNSOLVED
+    assert set(found) >= UNSOLVED
     assert found["solved"] is False
     assert found["planning_time_s"] < 2
     assert found["reason"]

@@ -1,0 +1,38 @@
+"""The trace that a user names: of a trace file, or of a plan file with what it refers to."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from runtime.plan import FORMAT as PLAN_FORMAT
+from runtime.plan import read_plan
+from runtime.robot.load import load_robot
+from runtime.scene.library import find_scene
+from runtime.scene.load import load_scene
+from runtime.trace.make import trace_of_plan
+from runtime.trace.model import Trace
+from runtime.trace.node import read_json
+from runtime.trace.read import trace_of
+from runtime.trace.sketch import load_trace_sketch
+
+
+def load_trace(
+    path: Path, scene: str | None = None, robot: str | None = None, sketch: str | None = None
+) -> Trace:
+    """The trace of a plan or trace file; scene, robot and sketch are for plans that do not
+    name built-in ones.
+
+    Raises:
+        InputError: what is wrong with the file, and where.
+    """
+    data = read_json(path)
+    if not isinstance(data.value, dict) or data.value.get("format") != PLAN_FORMAT:
+        return trace_of(data)
+    plan = read_plan(path)
+    scene_path, name = find_scene(scene or plan.scene)
+    return trace_of_plan(
+        plan,
+        load_scene(scene_path, name),
+        load_robot(robot or plan.robot),
+        load_trace_sketch(sketch or plan.sketch),
+    )

@@ -1,0 +1,249 @@
+"""From a plan, its scene, its robot and its sketch to a trace."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from runtime.angles import wrap
+from runtime.errors import InputError
+from runtime.motion.motion import ArmMove, BaseMove, GripperMove
+from runtime.plan import Plan, PlanAction, TimedPiece
+from runtime.robot.model import Floats, RobotModel
+from runtime.scene.model import Scene
+from runtime.trace.kinematics import Tree, matrix, pose_of
+from runtime.trace.model import (
+    WORLD,
+    Grip,
+    Span,
+    Trace,
+    TraceAction,
+    TraceRobot,
+    TraceSketch,
+    TraceSubgoal,
+)
+from runtime.trace.track import TrackBuilder
+
+JOIN = 1e-3
+"""Radians or metres by which a piece may start away from where the one before it ended."""
+
+
+def trace_of_plan(plan: Plan, scene: Scene, robot: RobotModel, sketch: TraceSketch) -> Trace:
+    """The trace of a plan.
+
+    Raises:
+        InputError: the plan is of another scene, robot or sketch, or does not hang together.
+    """
+    _check(plan, scene, robot, sketch)
+    return _Maker(plan, scene, trace_robot(robot), robot, sketch).make()
+
+
+def trace_robot(robot: RobotModel) -> TraceRobot:
+    """The part of a robot that traces keep."""
+    return TraceRobot(
+        name=robot.name,
+        digest=robot.digest,
+        urdf=robot.urdf,
+        joints=robot.joints,
+        fingers=robot.gripper.joints,
+        fixed=dict(robot.fixed),
+        home=robot.home,
+        tool=robot.urdf_tool,
+        gripper_links=tuple(sorted(robot.gripper.links)),
+        max_opening=robot.gripper.max_opening,
+    )
+
+
+def start_pose(scene: Scene, index: int) -> Floats:
+    """Where an object's bottom is at the start (7,)."""
+    thing = scene.objects[index]
+    x, y, yaw = thing.start
+    rest = scene.surfaces[thing.surface].rest
+    return np.array([x, y, rest, 0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2)])
+
+
+def _check(plan: Plan, scene: Scene, robot: RobotModel, sketch: TraceSketch) -> None:
+    if plan.scene_digest != scene.digest:
+        raise InputError(
+            f"the plan was made for another version of the scene {scene.name}",
+            place=f"{plan.path}: scene.digest",
+            hint="plan the scene again, or name its file with --scene",
+        )
+    if plan.robot_digest != robot.digest:
+        raise InputError(
+            f"the plan was made for another version of the robot {robot.name}",
+            place=f"{plan.path}: robot.digest",
+            hint="plan the scene again, or name the robot's file with --robot",
+        )
+    if plan.objects != tuple(thing.name for thing in scene.objects):
+        raise InputError("these are not the objects of the scene", place=f"{plan.path}: objects")
+    rules = {rule.name for rule in sketch.rules} | {"goal"}
+    for number, subgoal in enumerate(plan.subgoals):
+        if subgoal.rule not in rules:
+            raise InputError(
+                f"the sketch {sketch.name} has no rule {subgoal.rule!r}",
+                place=f"{plan.path}: subgoals[{number}].rule",
+                hint="name the sketch that the plan was made with: --sketch FILE",
+            )
+
+
+class _Maker:
+    def __init__(
+        self, plan: Plan, scene: Scene, robot: TraceRobot, model: RobotModel, sketch: TraceSketch
+    ) -> None:
+        self.plan, self.scene, self.robot, self.sketch = plan, scene, robot, sketch
+        self.model = model
+        self.tree = Tree(robot)
+        self.now = 0.0
+        self.base = TrackBuilder(np.array(plan.base_start))
+        self.joints = TrackBuilder(robot.home)
+        self.opening = TrackBuilder(np.array([robot.max_opening]))
+        self.grips: list[Grip] = []
+        self.held: int | None = None
+        self.objects = [
+            [_still(0.0, WORLD, start_pose(scene, index))] for index in range(len(scene.objects))
+        ]
+
+    def make(self) -> Trace:
+        actions: list[TraceAction] = []
+        for number, action in enumerate(self.plan.actions):
+            start = self.now
+            for i, timed in enumerate(action.pieces):
+                self._piece(timed, action, f"actions[{number}].pieces[{i}]")
+            actions.append(
+                TraceAction(
+                    action.name, action.subgoal, action.object, action.placement, start, self.now
+                )
+            )
+        return Trace(
+            source="plan",
+            tool_version=self.plan.tool_version,
+            sketch=self.sketch,
+            scene=self.scene,
+            robot=self.robot,
+            planner=self.plan.planner,
+            seed=self.plan.seed,
+            duration=self.now,
+            subgoals=self._subgoals(actions),
+            actions=tuple(actions),
+            base=self.base.track(),
+            joints=self.joints.track(),
+            opening=self.opening.track(),
+            grips=tuple(self.grips),
+            objects=tuple(map(tuple, self.objects)),
+        )
+
+    def _subgoals(self, actions: list[TraceAction]) -> tuple[TraceSubgoal, ...]:
+        found = []
+        time = 0.0
+        for number, subgoal in enumerate(self.plan.subgoals):
+            own = [action for action in actions if action.subgoal == number]
+            if len(own) != subgoal.actions:
+                raise self._fail(
+                    f"subgoals[{number}].actions",
+                    f"the subgoal has {subgoal.actions} actions, {len(own)} are there",
+                )
+            start, time = time, own[-1].end if own else time
+            found.append(
+                TraceSubgoal(
+                    subgoal.rule,
+                    start,
+                    time,
+                    dict(subgoal.before),
+                    dict(subgoal.after),
+                    subgoal.expanded,
+                    subgoal.generated,
+                    subgoal.attempt,
+                    subgoal.width,
+                    dict(subgoal.rejected),
+                )
+            )
+        return tuple(found)
+
+    def _fail(self, where: str, message: str) -> InputError:
+        return InputError(
+            message, place=f"{self.plan.path}: {where}", hint="`sketchlang validate` says more"
+        )
+
+    def _piece(self, timed: TimedPiece, action: PlanAction, where: str) -> None:
+        marks = self.now + timed.times
+        match timed.piece:
+            case BaseMove(poses):
+                self._follow(self.base, poses, marks, self._base_ramp, where)
+            case ArmMove(path, _):
+                if path.shape[1] != len(self.robot.joints):
+                    raise self._fail(
+                        f"{where}.path",
+                        f"{path.shape[1]} joint values for {len(self.robot.joints)} joints",
+                    )
+                self._follow(self.joints, path, marks, self._arm_ramp, where)
+            case GripperMove() as piece:
+                # Bounded acceleration, which the plan does not prescribe: half up, half down.
+                self.opening.line(marks[0], marks[-1], np.array([piece.opening]), 0.5)
+                self.now = float(marks[-1])
+                self._grip(piece, action, where)
+        self.now = float(marks[-1])
+
+    def _follow(
+        self, track: TrackBuilder, path: Floats, marks: Floats, ramp: object, where: str
+    ) -> None:
+        jump = np.abs(path[0] - track.value)
+        if track is self.base:
+            jump[2] = abs(wrap(jump[2]))
+        if jump.max() > JOIN:
+            raise self._fail(where, f"starts {jump.max():.4f} (m or rad) from where the robot is")
+        if track is self.base:
+            # Headings are not wrapped within a piece; from piece to piece they may be.
+            turns = round((track.value[2] - path[0, 2]) / (2 * math.pi))
+            path = path + np.array([0.0, 0.0, 2 * math.pi * turns])
+        for i in range(1, len(path)):
+            share = ramp(path[i - 1], path[i])  # type: ignore[operator]
+            track.line(float(marks[i - 1]), float(marks[i]), path[i], share)
+
+    def _arm_ramp(self, a: Floats, b: Floats) -> float:
+        step = np.abs(b - a)
+        moving = step > 1e-12
+        if not moving.any():
+            return 0.5
+        velocity = float((self.model.velocity[moving] / step[moving]).min())
+        return _ramp(1.0, velocity, float((self.model.acceleration[moving] / step[moving]).min()))
+
+    def _base_ramp(self, a: Floats, b: Floats) -> float:
+        base = self.model.base
+        distance, turn = math.hypot(b[0] - a[0], b[1] - a[1]), abs(b[2] - a[2])
+        if distance > turn:
+            return _ramp(distance, base.velocity, base.acceleration)
+        return _ramp(turn, base.angular_velocity, base.angular_acceleration)
+
+    def _grip(self, piece: GripperMove, action: PlanAction, where: str) -> None:
+        if piece.attach is None and piece.release is None:
+            return
+        links = self.tree.links(self.base.value, self.joints.value, float(self.opening.value[0]))
+        tool, name = links[self.robot.tool], str(action.object)
+        if piece.attach is not None:
+            if self.held is not None:
+                raise self._fail(where, f"{name} is gripped while another object is held")
+            self.held = piece.attach
+            world = matrix(self.objects[piece.attach][-1].poses[0])
+            in_tool = pose_of(np.linalg.inv(tool) @ world)
+            self.objects[piece.attach].append(_still(self.now, self.robot.tool, in_tool))
+        else:
+            if self.held is None or self.held != piece.release:
+                raise self._fail(where, f"{name} is released but not held")
+            in_tool = matrix(self.objects[self.held][-1].poses[0])
+            self.objects[self.held].append(_still(self.now, WORLD, pose_of(tool @ in_tool)))
+            self.held = None
+        self.grips.append(Grip(self.now, name, piece.attach is not None))
+
+
+def _still(start: float, frame: str, pose: Floats) -> Span:
+    return Span(start, frame, np.array([start]), pose[None])
+
+
+def _ramp(distance: float, velocity: float, acceleration: float) -> float:
+    """Share of the time from rest to rest that speeding up takes (`runtime.motion.timing`)."""
+    if distance * acceleration <= velocity * velocity:
+        return 0.5
+    up = velocity / acceleration
+    return up / (distance / velocity + up)

@@ -1,0 +1,125 @@
+"""Plain data taken apart so that every complaint names the place in the file."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from runtime.errors import InputError
+from runtime.robot.model import Floats
+
+
+def read_json(path: Path) -> Node:
+    """The data of a JSON file.
+
+    Raises:
+        InputError: it cannot be read or is not JSON.
+    """
+    try:
+        text = path.read_text(encoding="utf-8")
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror}", place=str(path)) from None
+    except UnicodeDecodeError:
+        raise InputError("is not UTF-8 text", place=str(path)) from None
+    try:
+        return Node(json.loads(text), str(path))
+    except json.JSONDecodeError as error:
+        raise InputError(
+            f"is not valid JSON: {error.msg} at line {error.lineno}, column {error.colno}",
+            place=str(path),
+            hint=None if text.rstrip().endswith("}") else "the file seems to be cut off",
+        ) from None
+    except (RecursionError, ValueError) as error:  # brackets or digits by the thousand
+        raise InputError(f"cannot be read as JSON: {error}", place=str(path)) from None
+
+
+class Node:
+    """A value in a file, and where it is. Methods raise `InputError` where it is not what
+    they are asked for."""
+
+    def __init__(self, value: Any, file: str, where: str = "") -> None:
+        self.value, self.file, self.where = value, file, where
+
+    def fail(self, message: str, hint: str | None = None) -> InputError:
+        """An error about this value."""
+        place = f"{self.file}: {self.where}" if self.where else self.file
+        return InputError(message, place=place, hint=hint)
+
+    def __getitem__(self, key: str) -> Node:
+        data = self._of(dict, "an object")
+        if key not in data:
+            raise self.fail(f"the key {key!r} is missing")
+        return Node(data[key], self.file, f"{self.where}.{key}" if self.where else key)
+
+    def items(self) -> Iterator[tuple[str, Node]]:
+        """Keys and values of an object."""
+        return ((key, self[key]) for key in self._of(dict, "an object"))
+
+    def each(self) -> list[Node]:
+        """The entries of a list."""
+        entries = self._of(list, "a list")
+        return [Node(e, self.file, f"{self.where}[{i}]") for i, e in enumerate(entries)]
+
+    def text(self) -> str:
+        """A string."""
+        found: str = self._of(str, "a string")
+        return found
+
+    def flag(self) -> bool:
+        """True or false."""
+        found: bool = self._of(bool, "true or false")
+        return found
+
+    def whole(self) -> int:
+        """A whole number."""
+        if isinstance(self.value, bool):
+            raise self.fail(f"expected a whole number, found {self._shown()}")
+        found: int = self._of(int, "a whole number")
+        return found
+
+    def number(self) -> float:
+        """A finite number."""
+        return float(self.numbers(()))
+
+    def optional(self) -> Node | None:
+        """None for null."""
+        return None if self.value is None else self
+
+    def choice(self, *names: str) -> str:
+        """One of some strings."""
+        if self.text() not in names:
+            raise self.fail(f"expected {' or '.join(map(repr, names))}, found {self._shown()}")
+        return self.text()
+
+    def numbers(self, shape: tuple[int | None, ...]) -> Floats:
+        """Finite numbers in rows; None in the shape stands for any count but 0."""
+        try:
+            array = np.array(self.value)
+        except ValueError:
+            raise self.fail("expected rows of numbers of equal length") from None
+        if array.dtype.kind not in "iuf":
+            raise self.fail(f"expected numbers, found {self._shown()}")
+        fits = array.ndim == len(shape) and all(
+            have == want if want is not None else have > 0
+            for have, want in zip(array.shape, shape, strict=False)
+        )
+        if not fits:
+            wanted = " x ".join("k" if n is None else str(n) for n in shape) or "one number"
+            raise self.fail(f"expected {wanted} numbers, found {self._shown()}")
+        array = array.astype(np.float64)
+        if not np.isfinite(array).all():
+            raise self.fail("numbers must be finite")
+        return array
+
+    def _of(self, kind: type, name: str) -> Any:
+        if not isinstance(self.value, kind):
+            raise self.fail(f"expected {name}, found {self._shown()}")
+        return self.value
+
+    def _shown(self) -> str:
+        text = json.dumps(self.value, default=repr)
+        return text if len(text) <= 60 else text[:57] + "..."

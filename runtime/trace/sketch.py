@@ -1,0 +1,47 @@
+"""The text of a sketch, and where its rules stand in it."""
+
+from __future__ import annotations
+
+from runtime.errors import InputError
+from runtime.trace.model import RuleText, TraceSketch
+from sketchlang.loader import Loaded, LoadError, load_sketch
+from sketchlang.syntax import tree
+
+
+def load_trace_sketch(target: str) -> TraceSketch:
+    """The sketch of a file or built-in name.
+
+    Raises:
+        InputError: it cannot be read, or has errors.
+    """
+    try:
+        loaded = load_sketch(target)
+    except LoadError as error:
+        raise InputError(
+            str(error), hint="name the sketch that the plan was made with: --sketch FILE"
+        ) from None
+    if not loaded.ok:
+        raise InputError(
+            "the sketch has errors", place=target, hint=f"`sketchlang check {target}` lists them"
+        )
+    return trace_sketch(loaded)
+
+
+def trace_sketch(loaded: Loaded) -> TraceSketch:
+    """The same for a sketch that was loaded and has no errors."""
+    texts: list[tuple[str, str]] = []
+    rules: list[RuleText] = []
+
+    def collect(parsed: tree.Tree) -> None:
+        number = len(texts)
+        texts.append((parsed.source.name.rpartition("/")[2], parsed.source.text))
+        for item in parsed.items:
+            if isinstance(item, tree.RuleItem):
+                rules.append(RuleText(item.name.text, number, item.span.start, item.span.end))
+            elif isinstance(item, tree.Include) and item.tree is not None:
+                collect(item.tree)
+
+    collect(loaded.tree)
+    model = loaded.checked.model
+    features = tuple((feature.name, feature.kind.value) for feature in model.features)
+    return TraceSketch(model.name, tuple(texts), features, tuple(rules))

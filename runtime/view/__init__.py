@@ -1,0 +1,1 @@
+"""To look at a trace: a page for the browser, pictures, a film."""

@@ -1,0 +1,61 @@
+"""`sketchlang replay PLAN`: look at a plan or an execution."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from sketchlang.cli.common import fail, interruptible, trace_options, write_file
+
+
+@click.command(
+    epilog="""\b
+Examples:
+  sketchlang replay plan.json --html replay.html
+  sketchlang replay plan.json --png pictures --mp4 film.mp4
+  sketchlang replay executed-trace.json --html executed.html
+"""
+)
+@trace_options
+@click.option(
+    "--html", type=click.Path(path_type=Path, dir_okay=False), help="Write a page for the browser."
+)
+@click.option(
+    "--trace", type=click.Path(path_type=Path, dir_okay=False), help="Write the trace itself."
+)
+@interruptible
+def command(
+    file: Path,
+    scene: str | None,
+    robot: str | None,
+    sketch: str | None,
+    html: Path | None,
+    trace: Path | None,
+) -> None:
+    """Show FILE, a plan or a trace: a page for the browser, pictures, a film.
+
+    The page is one file that needs no network: the scene in 3D, the sketch with the rule that
+    fires, the features over time, the subgoals.
+
+    Exit 0: written. 2: bad input.
+    """
+    from runtime.errors import InputError
+    from runtime.trace.load import load_trace
+
+    if html is None and trace is None:
+        fail("nothing to write: give --html FILE or --trace FILE")
+    try:
+        found = load_trace(file, scene, robot, sketch)
+        if trace is not None:
+            from runtime.trace.write import write_trace
+
+            write_trace(found, trace)
+            click.echo(f"trace written to {trace}")
+        if html is not None:
+            from runtime.view.page import page
+
+            write_file(str(html), page(found))
+            click.echo(f"replay written to {html}")
+    except InputError as error:
+        fail(str(error))
