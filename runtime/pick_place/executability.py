@@ -11,6 +11,7 @@ import zlib
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from runtime.kernels.boxes import to_base_frame
 from runtime.motion import rrt
@@ -141,14 +142,11 @@ class Executor:
         rows = task.world_rows(state)
         clearance = rings.clearances(rows)
         fixed = len(task.statics)
-        narrow = [
-            i
-            for i in range(fixed, len(rows))
-            if clearance[i] > 0 and not _dominated(rows[i], clearance[i], rows[:fixed], clearance)
-        ]
-        if not narrow and np.array_equal(clearance[:fixed], task.clearance):
+        free = _dominated(rows[fixed:], clearance[fixed:], rows[:fixed], clearance[:fixed])
+        narrow = fixed + np.flatnonzero((clearance[fixed:] > 0) & ~free)
+        if not len(narrow) and np.array_equal(clearance[:fixed], task.clearance):
             return task.roads
-        chosen = np.r_[np.arange(fixed), np.array(narrow, dtype=int)]
+        chosen = np.r_[np.arange(fixed), narrow]
         return BaseRoads(rows[chosen], clearance[chosen])
 
     def _carried(self, state: State) -> Body | None:
@@ -208,12 +206,17 @@ def target_of(state: State, action: Pick | Place) -> Target:
     return action.object, action.placement, state.grasp
 
 
-def _dominated(row: Floats, clearance: float, statics: Floats, clearances: Floats) -> bool:
-    """Whether some static box keeps the base away from a box at least as far as it does."""
-    reach = float(np.hypot(row[3], row[4]))
-    dx, dy = row[0] - statics[:, 0], row[1] - statics[:, 1]
+def _dominated(
+    rows: Floats, clearance: Floats, statics: Floats, static_clearance: Floats
+) -> NDArray[np.bool_]:
+    """For each box (n, 8): whether some static box keeps the base away from it anyway."""
+    reach = np.hypot(rows[:, 3], rows[:, 4])[:, None]
+    dx = rows[:, 0, None] - statics[:, 0]
+    dy = rows[:, 1, None] - statics[:, 1]
     lx = np.abs(statics[:, 6] * dx + statics[:, 7] * dy) + reach
     ly = np.abs(statics[:, 6] * dy - statics[:, 7] * dx) + reach
-    inside = (lx <= statics[:, 3]) & (ly <= statics[:, 4])
     slack = np.minimum(statics[:, 3] - lx, statics[:, 4] - ly)
-    return bool(np.any(inside & (clearance <= clearances[: len(statics)] + slack)))
+    dominated: NDArray[np.bool_] = np.any(
+        (slack >= 0) & (clearance[:, None] <= static_clearance + slack), axis=1
+    )
+    return dominated

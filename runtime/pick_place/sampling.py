@@ -357,13 +357,13 @@ class Sampler:
                 placement, grasp = targets[turn]
                 if placement is None or count.get(placement.surface, 0) >= limit:
                     continue
-                base = self._base_for(placement, grasp, rng)
+                base = self.base_for(placement, grasp, rng)
                 if base is not None:
                     bases.append(base)
                     count[placement.surface] = count.get(placement.surface, 0) + 1
         return bases
 
-    def _base_for(
+    def base_for(
         self, placement: Placement, grasp: Grasp, rng: np.random.Generator
     ) -> BasePose | None:
         """A random base pose from which the wrist of a grasp is in the arm's workspace."""

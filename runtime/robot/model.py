@@ -33,7 +33,7 @@ class Body(NamedTuple):
     pairs: Ints  # (k, 2)
 
 
-HELD_EXTENT = -0.3
+HELD_EXTENT = 0.3
 """Metres from the tool frame to the farthest corner of a held object, at most."""
 
 

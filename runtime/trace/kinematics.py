@@ -72,11 +72,12 @@ class Tree:
         for joint in self.order:
             here = found[joint.parent] @ np.vstack([joint.origin, [0, 0, 0, 1.0]])
             value = values.get(joint.name, 0.0)
-            found[joint.child] = here @ _motion(joint, value) if value else here
+            found[joint.child] = here @ joint_motion(joint, value) if value else here
         return found
 
 
-def _motion(joint: Joint, value: float) -> Floats:
+def joint_motion(joint: Joint, value: float) -> Floats:
+    """What a joint does to its child (4, 4) at a value."""
     motion = np.eye(4)
     if joint.type == "prismatic":
         motion[:3, 3] = value * joint.axis

@@ -181,8 +181,8 @@ class _Maker:
             case GripperMove() as piece:
                 # Bounded acceleration, which the plan does not prescribe: half up, half down.
                 self.opening.line(marks[0], marks[-1], np.array([piece.opening]), 0.5)
-                self.now = float(marks[-1])
-                self._grip(piece, action, where)
+                start, self.now = self.now, float(marks[-1])
+                self._grip(piece, action, start, where)
         self.now = float(marks[-1])
 
     def _follow(
@@ -216,7 +216,7 @@ class _Maker:
             return _ramp(distance, base.velocity, base.acceleration)
         return _ramp(turn, base.angular_velocity, base.angular_acceleration)
 
-    def _grip(self, piece: GripperMove, action: PlanAction, where: str) -> None:
+    def _grip(self, piece: GripperMove, action: PlanAction, start: float, where: str) -> None:
         if piece.attach is None and piece.release is None:
             return
         links = self.tree.links(self.base.value, self.joints.value, float(self.opening.value[0]))
@@ -234,7 +234,7 @@ class _Maker:
             in_tool = matrix(self.objects[self.held][-1].poses[0])
             self.objects[self.held].append(_still(self.now, WORLD, pose_of(tool @ in_tool)))
             self.held = None
-        self.grips.append(Grip(self.now, name, piece.attach is not None))
+        self.grips.append(Grip(start, self.now, name, piece.attach is not None))
 
 
 def _still(start: float, frame: str, pose: Floats) -> Span:

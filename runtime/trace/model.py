@@ -103,8 +103,9 @@ class TraceAction:
 
 @dataclass(frozen=True)
 class Grip:
-    """At `time` the fingers have closed on an object, or let it go."""
+    """From `start` to `time` the fingers close on an object, or let it go."""
 
+    start: float
     time: float
     object: str
     attach: bool

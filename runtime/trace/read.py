@@ -79,7 +79,12 @@ def trace_of(data: Node) -> Trace:
         joints=_track(data["joints"], len(robot.joints)),
         opening=_track(data["opening"], 1),
         grips=tuple(
-            Grip(node["time"].number(), _name(node["object"], names), node["attach"].flag())
+            Grip(
+                node["start"].number(),
+                node["time"].number(),
+                _name(node["object"], names),
+                node["attach"].flag(),
+            )
             for node in data["grips"].each()
         ),
         objects=tuple(_spans(node, links) for node in objects),
@@ -198,9 +203,9 @@ def _box(node: Node) -> UprightBox:
 
 
 def _scene(node: Node) -> Scene:
-    surfaces, obstacles = [], []
-    for entry in node["walls"].each():
-        obstacles.append(Obstacle(entry["name"].text(), _box(entry["box"])))
+    surfaces: list[Surface] = []
+    obstacles: list[Obstacle] = []
+    obstacles += [Obstacle(wall["name"].text(), _box(wall["box"])) for wall in node["walls"].each()]
     for entry in node["tables"].each():
         box, region = _box(entry["box"]), entry["region"].numbers((2,)).tolist()
         name, rest = entry["name"].text(), entry["rest"].number()

@@ -82,7 +82,13 @@ def to_json(trace: Trace) -> dict[str, Any]:
         "joints": _track(trace.joints),
         "opening": _track(trace.opening),
         "grips": [
-            {"time": round(g.time, 6), "object": g.object, "attach": g.attach} for g in trace.grips
+            {
+                "start": round(g.start, 6),
+                "time": round(g.time, 6),
+                "object": g.object,
+                "attach": g.attach,
+            }
+            for g in trace.grips
         ],
         "objects": [[_span(span) for span in spans] for spans in trace.objects],
         "events": [

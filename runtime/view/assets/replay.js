@@ -12,6 +12,8 @@
   };
   const T = THREE, Z = new T.Vector3(0, 0, 1);
 
+  let now = 0, playing = false, speed = 4, stale = true, lit = -1;
+
   // -- values over time ----------------------------------------------------------------------
 
   // Index of the last entry of a rising list that is not above x, or 0.
@@ -267,8 +269,10 @@
     const rules = trace.sketch.rules.filter((rule) => rule.text === number).sort((a, b) => a.start - b.start);
     const characters = [...text]; // offsets count code points, as Python does
     const piece = (from, to, into) => {
-      for (const part of characters.slice(from, to).join("").split(/(#[^\n]*)/)) {
-        if (part.startsWith("#")) into.append(make("span", "comment", part)); else into.append(part);
+      for (const part of characters.slice(from, to).join("").split(/(#[^\n]*|\w+--)/)) {
+        // Browsers break lines after a hyphen: not within `m--`.
+        if (part.startsWith("#")) into.append(make("span", "comment", part));
+        else into.append(part.endsWith("--") ? make("span", "word", part) : part);
       }
     };
     let done = 0;
@@ -292,7 +296,7 @@
       `  ${own.map(describe).join(", ") || "drive"}`);
     const names = Object.keys(goal.after).filter((name) => goal.before[name] !== goal.after[name]);
     item.append(make("span", "change", names.map((name) =>
-      `${name}: ${shown(name, goal.before[name])} → ${shown(name, goal.after[name])}`).join("   ")));
+      `${name}: ${shown(name, goal.before[name])} → ${shown(name, goal.after[name])}`).join(", ")));
     const rejected = Object.entries(goal.rejected).filter(([, count]) => count)
       .map(([step, count]) => `${count} by ${step.replaceAll("_", " ")}`).join(", ");
     item.append(make("span", "effort", `IW(${goal.width}), attempt ${goal.attempt + 1}: ${goal.expanded} expanded, `
@@ -313,7 +317,6 @@
 
   // -- time ----------------------------------------------------------------------------------
 
-  let now = 0, playing = false, speed = 4, stale = true, lit = -1;
   for (const factor of [0.5, 1, 2, 4, 8, 16, 32]) {
     const option = make("option", "", `${factor}×`);
     option.value = factor;
@@ -392,7 +395,7 @@
   const play = (on = true) => {
     if (on && now >= trace.duration) seek(0);
     playing = on;
-    $("play").textContent = on ? "⏸" : "▶";
+    $("play").textContent = on ? "❚❚" : "▶";
   };
   const jump = (step) => {
     const i = current(trace.subgoals, now);

@@ -1,0 +1,1 @@
+"""Traces under physics (PyBullet), open loop and closed loop."""
