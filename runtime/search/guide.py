@@ -56,11 +56,10 @@ class Guide:
 
     def atoms(self, state: State) -> tuple[Hashable, ...]:
         """The novelty atoms F_H that are true in a state, told apart by their family."""
-        return tuple(
-            (family, atom)
-            for family, function in enumerate(self.sketch.atoms)
-            for atom in function(state)
-        )
+        found: list[Hashable] = []
+        for family, function in enumerate(self.sketch.atoms):
+            found += [(family, atom) for atom in function(state)]
+        return tuple(found)
 
     def is_goal(self, values: Values) -> bool:
         """Whether feature values satisfy the sketch's goal."""

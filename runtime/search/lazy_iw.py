@@ -18,11 +18,11 @@ import heapq
 from collections import defaultdict
 from collections.abc import Hashable, Iterator
 from dataclasses import dataclass, field
-from itertools import combinations
 
 from runtime.search.guide import Guide, Values
 from runtime.search.iw import Effort
 from runtime.search.limits import Limits
+from runtime.search.novelty import new_tuples
 from runtime.search.problem import Action, Motion, State, Subproblem
 
 
@@ -74,9 +74,10 @@ class LazyIW:
         self.supporters: defaultdict[Hashable, list[LazyNode]] = defaultdict(list)
         self.queue: list[tuple[int, int, LazyNode]] = []
         self.pushed = 0
-        self.root = LazyNode(start, self._tuples(start))
+        # What is true at the root is never new: the root cannot be cut off.
+        self.known = frozenset(guide.atoms(start))
+        self.root = LazyNode(start, ())
         self.nodes: dict[State, LazyNode] = {start: self.root}
-        self._support(self.root)
         self._push(self.root)
 
     def run(self) -> tuple[list[Edge], str] | None:
@@ -170,10 +171,7 @@ class LazyIW:
     # -- novelty -----------------------------------------------------------------------------
 
     def _tuples(self, state: State) -> tuple[Hashable, ...]:
-        atoms = self.guide.atoms(state)
-        if self.k == 1:
-            return atoms
-        return tuple(c for size in range(1, self.k + 1) for c in combinations(atoms, size))
+        return new_tuples(self.guide.atoms(state), self.known, self.k)
 
     def _support(self, node: LazyNode) -> bool:
         """Record the atoms of a node; whether it is the main supporter of one of them."""

@@ -29,3 +29,18 @@ class NoveltyTable:
     def add(self, atoms: Iterable[Hashable]) -> None:
         """Remember the tuples of a state that the search keeps."""
         self._seen.update(self._tuples(atoms))
+
+
+def new_tuples(atoms: Atoms, known: frozenset[Hashable], k: int) -> tuple[Hashable, ...]:
+    """The tuples of at most k atoms of a state that are not all true in another one, whose
+    atoms are `known`. Atoms come in the same order in every state."""
+    fresh = [i for i, atom in enumerate(atoms) if atom not in known]
+    if k == 1:
+        return tuple(atoms[i] for i in fresh)
+    chosen = set(fresh)
+    return tuple(
+        tuple(atoms[i] for i in places)
+        for size in range(1, k + 1)
+        for places in combinations(range(len(atoms)), size)
+        if not chosen.isdisjoint(places)
+    )
