@@ -18,6 +18,11 @@ RANGE = 1.2
 ATTEMPTS = 2
 SHORTCUTS = 12
 
+ROUNDING = 0.5
+"""Radians of path on either side of a corner that an arc may replace, at most."""
+
+ARC_POINTS = 7
+
 
 def plan(context: ArmContext, start: Floats, goal: Floats, seed: int) -> Floats | None:
     """A collision-free path (p, n) from start to goal (n,), or None where none was found."""
@@ -34,7 +39,8 @@ def plan(context: ArmContext, start: Floats, goal: Floats, seed: int) -> Floats 
         # searched anew at half the step.
         path = rrt_connect(context, start, goal, seed + attempt, CHECK_RESOLUTION / 2**attempt)
         if path is not None and context.path_is_free(path):
-            return shorten(context, path, np.random.default_rng(seed))
+            path = shorten(context, path, np.random.default_rng(seed))
+            return round_corners(context, path)
     return None
 
 
@@ -136,3 +142,23 @@ def _skip_ahead(context: ArmContext, path: Floats) -> Floats:
         kept.append(path[j])
         i = j
     return np.array(kept)
+
+
+def round_corners(context: ArmContext, path: Floats) -> Floats:
+    """Replace corners by arcs (parabolas), as wide as is free, so that the arm need not stop."""
+    rounded = [path[0]]
+    for before, corner, after in zip(path[:-2], path[1:-1], path[2:], strict=True):
+        arc = corner[None]
+        to, away = before - corner, after - corner
+        widest = min(ROUNDING, np.linalg.norm(to) / 2, np.linalg.norm(away) / 2)
+        for halving in range(3):
+            width = widest / 2**halving
+            start = corner + to * (width / np.linalg.norm(to))
+            end = corner + away * (width / np.linalg.norm(away))
+            t = np.linspace(0.0, 1.0, ARC_POINTS)[:, None]
+            wider = (1 - t) ** 2 * start + 2 * t * (1 - t) * corner + t**2 * end
+            if context.path_is_free(wider):
+                arc = wider
+                break
+        rounded += list(arc)
+    return np.array([*rounded, path[-1]])

@@ -34,7 +34,7 @@ def document(task: Task, model: SketchModel, outcome: Outcome, planner: str, see
             )
         )
         for action, motion in zip(subgoal.actions, subgoal.motions, strict=True):
-            pieces = tuple(TimedPiece(piece, timing.times(task.robot, piece)) for piece in motion)
+            pieces = tuple(TimedPiece(*timing.timed(task.robot, piece)) for piece in motion)
             thing = None if isinstance(action, MoveBase) else objects[action.object]
             placement = _placement(task, action)
             actions.append(PlanAction(NAMES[type(action)], number, thing, placement, pieces))

@@ -1,0 +1,206 @@
+"""Follow a trace in a simulation: motors are sent where the trace has the robot."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from runtime.execution.physics import STEP, Physics
+from runtime.execution.recorder import Recorder
+from runtime.execution.tracking import Tracking
+from runtime.robot.model import Floats
+from runtime.trace.kinematics import matrix
+from runtime.trace.model import Grip, Trace
+
+GRASP_PATIENCE = 0.5
+"""Seconds that the fingers are given to reach the object."""
+
+BRAKING = 1.4
+"""Seconds from full speed to rest, along the path, where a motion is broken off."""
+
+CHECK = 0.1
+"""Seconds between looks at contacts, and at what a watcher sees."""
+
+Watcher = Callable[[float], "str | None"]
+"""Asked every `CHECK` seconds with the time in the trace; a reason to stop, or None."""
+
+
+@dataclass(frozen=True)
+class Slip:
+    """An object that was not gripped, fell, or moved in the gripper by `moved` metres."""
+
+    time: float
+    object: str
+    what: str
+    moved: float = 0.0
+
+
+@dataclass(frozen=True)
+class Touch:
+    """The robot touched something that it was not gripping."""
+
+    time: float
+    link: str
+    thing: str
+
+
+class Follower:
+    """Follows traces one after the other in one simulation, and keeps the books."""
+
+    def __init__(self, physics: Physics, recorder: Recorder) -> None:
+        self.physics, self.recorder = physics, recorder
+        self.tracking = Tracking()
+        self.slips: list[Slip] = []
+        self.touches: list[Touch] = []
+        self.names = [thing.name for thing in physics.scene.objects]
+        self.grasp_fails: Callable[[], bool] = lambda: False
+        """Asked when the fingers close; true where a disturbance keeps them open."""
+        self._target = np.concatenate([physics.scene.robot_start, physics.robot.home])
+        self._opening = physics.robot.max_opening
+        self._in_tool: Floats | None = None
+        self._touching: set[tuple[str, str]] = set()
+
+    def wait(self, seconds: float) -> None:
+        """Stand still."""
+        for _ in range(round(seconds / STEP)):
+            self._step(self._target, np.zeros(len(self._target)), None)
+
+    def follow(self, trace: Trace, watch: Watcher | None = None, start: float = 0.0) -> float:
+        """Follow a trace from a time on; returns the time in the trace where it ended,
+        earlier than its duration where the watcher wanted to stop."""
+        steps = max(1, math.ceil((trace.duration - start) / STEP))
+        times = np.minimum(start + np.arange(steps + 1) * STEP, trace.duration)
+        base, base_speed = trace.base.at(times)
+        joints, joint_speed = trace.joints.at(times)
+        target, speed = np.hstack([base, joints]), np.hstack([base_speed, joint_speed])
+        opening = trace.opening.at(times)[0][:, 0]
+        # Headings of a trace are not wrapped; the motor's may be off by whole turns.
+        target[:, 2] += 2 * math.pi * round((self._target[2] - target[0, 2]) / (2 * math.pi))
+        grips = [grip for grip in trace.grips if grip.time > start + 1e-9]
+        clock, rate, braking, checked = 0.0, 1.0, False, -1.0
+        marks = [(start, self.physics.time)]
+        while clock < steps and rate > 0:
+            now = start + clock * STEP
+            if grips and self._handle(grips[0], now, marks):
+                grips.pop(0)
+            if watch is not None and self.physics.time - checked >= CHECK and not braking:
+                checked = self.physics.time
+                braking = watch(now) is not None
+            if braking:
+                rate = max(0.0, rate - STEP / BRAKING)
+            clock = min(float(steps), clock + rate)
+            whole = min(int(clock), steps - 1)
+            share = clock - whole
+            goal = target[whole] + share * (target[whole + 1] - target[whole])
+            self._opening = float(opening[whole + 1])
+            self._step(goal, rate * speed[whole + 1], grips[0] if grips else None)
+        end = min(start + clock * STEP, trace.duration)
+        if grips and rate > 0 and self._handle(grips[0], end + STEP, marks):
+            grips.pop(0)
+        marks.append((end, self.physics.time))
+        self._keep_books(trace, marks, start, end)
+        return end
+
+    def _step(self, target: Floats, speed: Floats, grip: Grip | None) -> None:
+        physics = self.physics
+        self._target = target
+        physics.drive(target, speed, self._opening)
+        held = physics.held
+        if not physics.step() and held is not None:
+            self._slipped(held, "the grasp broke")
+        count = round(physics.time / STEP)
+        if count % 4 == 0:
+            self.tracking.add(physics.robot_state()[0] - target)
+        if count % round(CHECK / STEP) == 0:
+            self._look(None if grip is None else self.names.index(grip.object))
+        self.recorder.sample()
+
+    def _look(self, gripping: int | None) -> None:
+        physics = self.physics
+        contacts = physics.contacts(physics.held if physics.held is not None else gripping)
+        now = {(contact.link, contact.thing) for contact in contacts}
+        for link, thing in sorted(now - self._touching):
+            self.touches.append(Touch(physics.time, link, thing))
+            self.recorder.event("touch", f"{link} touches {thing}")
+        self._touching = now
+
+    # -- grips ---------------------------------------------------------------------------------
+
+    def _handle(self, grip: Grip, now: float, marks: list[tuple[float, float]]) -> bool:
+        """What a grip asks for at a time; whether it is done with."""
+        index, physics = self.names.index(grip.object), self.physics
+        if not grip.attach:
+            if now < grip.start:
+                return False
+            self.let_go()
+            return True
+        if now >= grip.start and not physics.squeezing:
+            physics.squeezing = not self.grasp_fails()
+        if now < grip.time:
+            return False
+        marks.append((now, physics.time))
+        for _ in range(round(GRASP_PATIENCE / STEP)):
+            if not physics.squeezing or physics.grasp(index):
+                break
+            self._step(self._target, np.zeros(len(self._target)), grip)
+        marks.append((now, physics.time))
+        if physics.held is None:
+            physics.release()
+            self._slipped(index, "the fingers did not hold it")
+        else:
+            self._in_tool = np.linalg.inv(physics.tool_matrix()) @ matrix(
+                physics.object_pose(index)
+            )
+        return True
+
+    def let_go(self) -> None:
+        """Release what is held, and measure how far it had moved in the gripper."""
+        physics = self.physics
+        if physics.held is not None and self._in_tool is not None:
+            pose = physics.tool_matrix() @ self._in_tool
+            moved = float(np.linalg.norm(pose[:3, 3] - physics.object_pose(physics.held)[:3]))
+            self.slips.append(Slip(physics.time, self.names[physics.held], "carried", moved))
+        self._in_tool = None
+        physics.release()
+
+    def _slipped(self, index: int, what: str) -> None:
+        name = self.names[index]
+        self.slips.append(Slip(self.physics.time, name, what))
+        self.recorder.event("slip", f"{name}: {what}")
+        self._in_tool = None
+
+    # -- books ---------------------------------------------------------------------------------
+
+    def _keep_books(
+        self, trace: Trace, marks: list[tuple[float, float]], start: float, end: float
+    ) -> None:
+        """Enter what was done of a trace, at the times at which it was."""
+        known, real = np.array(marks).T
+
+        def when(time: float) -> float:
+            return float(np.interp(min(time, end), known, real))
+
+        first = len(self.recorder.subgoals)
+        if start == 0.0:
+            self.recorder.subgoals += [
+                replace(subgoal, start=when(subgoal.start), end=when(subgoal.end))
+                for subgoal in trace.subgoals
+            ]
+        self.recorder.actions += [
+            replace(
+                action,
+                start=when(action.start),
+                end=when(action.end),
+                subgoal=first + action.subgoal,
+            )
+            for action in trace.actions
+            if start <= action.start <= end
+        ]
+        self.recorder.grips += [
+            replace(grip, start=when(grip.start), time=when(grip.time))
+            for grip in trace.grips
+            if start < grip.time <= end
+        ]

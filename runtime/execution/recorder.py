@@ -1,0 +1,88 @@
+"""What happened in a simulation, sampled, as a trace."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from runtime.execution.physics import Physics
+from runtime.robot.model import Floats
+from runtime.trace.model import WORLD, Event, Grip, Span, Trace, TraceAction, TraceSubgoal
+from runtime.trace.track import Track
+
+PERIOD = 0.05
+"""Seconds between samples."""
+
+STILL = 2e-4
+"""Metres (and quaternion units) below which an object has not moved since its last sample."""
+
+
+class Recorder:
+    """Samples a simulation, and collects what was done in it."""
+
+    def __init__(self, physics: Physics) -> None:
+        self.physics = physics
+        self.times: list[float] = []
+        self.values: list[Floats] = []
+        self.velocities: list[Floats] = []
+        self.openings: list[float] = []
+        self.subgoals: list[TraceSubgoal] = []
+        self.actions: list[TraceAction] = []
+        self.grips: list[Grip] = []
+        self.events: list[Event] = []
+        count = len(physics.objects)
+        self._object_times: list[list[float]] = [[] for _ in range(count)]
+        self._object_poses: list[list[Floats]] = [[] for _ in range(count)]
+        self._seen = [0.0] * count
+
+    def event(self, kind: str, text: str) -> None:
+        """Note that something happened now."""
+        self.events.append(Event(self.physics.time, kind, text))
+
+    def sample(self) -> None:
+        """Take a sample, unless the last one was a moment ago."""
+        now = self.physics.time
+        if self.times and now - self.times[-1] < PERIOD - 1e-9:
+            return
+        values, velocities = self.physics.robot_state()
+        self.times.append(now)
+        self.values.append(values)
+        self.velocities.append(velocities)
+        self.openings.append(self.physics.opening())
+        for index in range(len(self.physics.objects)):
+            self._sample_object(index, now)
+
+    def _sample_object(self, index: int, now: float) -> None:
+        times, poses = self._object_times[index], self._object_poses[index]
+        pose = self.physics.object_pose(index)
+        if not poses or np.abs(pose - poses[-1]).max() > STILL:
+            if poses and self._seen[index] > times[-1]:  # it stood until the last sample
+                times.append(self._seen[index])
+                poses.append(poses[-1])
+            times.append(now)
+            poses.append(pose)
+        self._seen[index] = now
+
+    def trace(self, like: Trace) -> Trace:
+        """Everything so far, with the sketch, scene and robot of another trace."""
+        times = np.array(self.times)
+        values, velocities = np.array(self.values), np.array(self.velocities)
+        openings = np.array(self.openings)[:, None]
+        spans = tuple(
+            (Span(0.0, WORLD, np.array(times), np.array(poses)),)
+            for times, poses in zip(self._object_times, self._object_poses, strict=True)
+        )
+        return replace(
+            like,
+            source="execution",
+            duration=float(times[-1]),
+            subgoals=tuple(self.subgoals),
+            actions=tuple(self.actions),
+            base=Track(times, values[:, :3], velocities[:, :3]),
+            joints=Track(times, values[:, 3:], velocities[:, 3:]),
+            opening=Track(times, openings, np.gradient(openings, times, axis=0)),
+            grips=tuple(self.grips),
+            objects=spans,
+            events=tuple(self.events),
+        )
