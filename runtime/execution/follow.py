@@ -61,6 +61,7 @@ class Follower:
         self._target = np.concatenate([physics.scene.robot_start, physics.robot.home])
         self._opening = physics.robot.max_opening
         self._in_tool: Floats | None = None
+        self._letting: int | None = None  # what the fingers are just opening around
         self._touching: set[tuple[str, str]] = set()
 
     def wait(self, seconds: float) -> None:
@@ -112,10 +113,13 @@ class Follower:
         if not physics.step() and held is not None:
             self._slipped(held, "the grasp broke")
         count = round(physics.time / STEP)
+        if self._letting is not None and not physics.touching_fingers(self._letting):
+            self._letting = None
         if count % 4 == 0:
             self.tracking.add(physics.robot_state()[0] - target)
         if count % round(CHECK / STEP) == 0:
-            self._look(None if grip is None else self.names.index(grip.object))
+            gripping = None if grip is None else self.names.index(grip.object)
+            self._look(gripping if self._letting is None else self._letting)
         self.recorder.sample()
 
     def _look(self, gripping: int | None) -> None:
@@ -164,6 +168,7 @@ class Follower:
             moved = float(np.linalg.norm(pose[:3, 3] - physics.object_pose(physics.held)[:3]))
             self.slips.append(Slip(physics.time, self.names[physics.held], "carried", moved))
         self._in_tool = None
+        self._letting = physics.held
         physics.release()
 
     def _slipped(self, index: int, what: str) -> None:

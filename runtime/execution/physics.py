@@ -15,6 +15,7 @@ from contextlib import contextmanager
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from time import sleep
 from typing import Any
 
 import numpy as np
@@ -60,10 +61,12 @@ class Physics:
         self.scene, self.robot = scene, robot
         self.materials = materials or Materials()
         self.bullet = connect(gui)
+        self.watched = gui
         self.time = 0.0
         self.held: int | None = None
         self.squeezing = False
         self._constraint: int | None = None
+        self._held_opening = 0.0
         b = self.bullet
         b.setGravity(0, 0, -9.81)
         b.setTimeStep(STEP)
@@ -167,6 +170,8 @@ class Physics:
         )
         fingers = len(self._fingers)
         wanted = opening - (2 * SQUEEZE if self.squeezing else 0.0)
+        if self.held is not None:
+            wanted = self._held_opening
         b.setJointMotorControlArray(
             self.body,
             self._fingers,
@@ -181,6 +186,8 @@ class Physics:
         """One step; False where the grasp broke in it."""
         self.bullet.stepSimulation()
         self.time += STEP
+        if self.watched:
+            sleep(STEP)  # at the speed of the world, or slower
         if self._constraint is None:
             return True
         force = self.bullet.getConstraintState(self._constraint)
@@ -219,8 +226,18 @@ class Physics:
         )
         # Stronger than the limit at which `step` breaks it: it shall break, not stretch.
         b.changeConstraint(self._constraint, maxForce=4 * self.materials.holding_force)
-        self.held = index
+        self._let_fingers_touch(index, False)
+        self.held, self.squeezing = index, False
+        self._held_opening = self.opening()
         return True
+
+    def _let_fingers_touch(self, index: int, touch: bool) -> None:
+        # The constraint stands for the fingers' friction: with both, they would work against
+        # each other, and the constraint's force would say nothing about the load.
+        for link in self._gripper:
+            self.bullet.setCollisionFilterPair(
+                self.body, self.objects[index], link, -1, int(touch)
+            )
 
     def release(self) -> None:
         """Let go of what is held."""
@@ -228,6 +245,7 @@ class Physics:
             self.bullet.removeConstraint(self._constraint)
         if self.held is not None:
             b = self.bullet
+            self._let_fingers_touch(self.held, True)
             b.changeDynamics(
                 self.objects[self.held], -1, activationState=b.ACTIVATION_STATE_WAKE_UP
             )

@@ -15,7 +15,7 @@ For this
 from __future__ import annotations
 
 import heapq
-from collections import defaultdict
+from collections import defaultdict, deque
 from collections.abc import Hashable, Iterator
 from dataclasses import dataclass, field
 
@@ -73,6 +73,8 @@ class LazyIW:
         self.effort = effort
         self.supporters: defaultdict[Hashable, list[LazyNode]] = defaultdict(list)
         self.queue: list[tuple[int, int, LazyNode]] = []
+        # Subgoals that hang together with the root and have not been validated yet.
+        self.candidates: deque[LazyNode] = deque()
         self.pushed = 0
         # What is true at the root is never new: the root cannot be cut off.
         self.known = frozenset(guide.atoms(start))
@@ -93,19 +95,18 @@ class LazyIW:
                 continue
             node.expanded = True
             self.effort.expanded += 1
-            for child in self._expand(node):
-                path = self._validated_path(child)
-                if path is not None:
-                    assert child.rule is not None
-                    return path, child.rule
+            for _ in self._expand(node):
+                found = self._validate_candidates()
+                if found is not None:
+                    return found
                 if self._is_cut_off(node):
                     break
         return None
 
     # -- the search graph ------------------------------------------------------------------
 
-    def _expand(self, node: LazyNode) -> Iterator[LazyNode]:
-        """Generate the children of a node; yields those that are subgoals."""
+    def _expand(self, node: LazyNode) -> Iterator[None]:
+        """Generate the children of a node; pauses whenever there are new candidates."""
         for action, state in self.subproblem.actions(node.state):
             if action in node.tried:
                 continue
@@ -124,11 +125,11 @@ class LazyIW:
                 if self._support(child):
                     self._push(child)
                 if child.rule is not None:
-                    yield child
+                    self.candidates.append(child)
             elif not child.connected:
                 self._reconnect()
-                if child.rule is not None:
-                    yield child
+            if self.candidates:
+                yield
 
     def _push(self, node: LazyNode) -> None:
         if not node.queued and not node.expanded:
@@ -160,10 +161,14 @@ class LazyIW:
                         child.depth = node.depth + 1
                         following.append(child)
             layer = following
+        was_connected = set(before)
         for node in before:
             if not node.connected:
                 for item in node.tuples:
                     self._recover(item)
+        for node in self.nodes.values():
+            if node.rule is not None and node.connected and node not in was_connected:
+                self.candidates.append(node)
         for node in self.nodes.values():
             if node.connected and not node.expanded and self._is_main(node):
                 self._push(node)
@@ -202,6 +207,15 @@ class LazyIW:
             self._push(backup)
 
     # -- validation ----------------------------------------------------------------------------
+
+    def _validate_candidates(self) -> tuple[list[Edge], str] | None:
+        while self.candidates:
+            goal = self.candidates.popleft()
+            path = self._validated_path(goal)
+            if path is not None:
+                assert goal.rule is not None
+                return path, goal.rule
+        return None
 
     def _validated_path(self, goal: LazyNode) -> list[Edge] | None:
         """Ask X about the actions on a shortest path to a node, again and again while some

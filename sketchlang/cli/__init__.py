@@ -20,6 +20,7 @@ COMMANDS = {
     "graph": "Draw the policy graph or the rules of a sketch.",
     "run": "Plan a scene with a sketch.",
     "validate": "Certify a plan file with exact geometry.",
+    "execute": "Execute a plan under physics, open loop or closed loop.",
     "replay": "Show a plan: a page for the browser, pictures, a film.",
     "bench": "Run a benchmark suite and print its tables.",
 }

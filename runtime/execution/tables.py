@@ -1,0 +1,89 @@
+"""The tables of `docs/execution.md`: `python -m runtime.execution.tables`."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from time import perf_counter
+
+import numpy as np
+
+from runtime.execution.execute import execute
+from runtime.pick_place.document import document
+from runtime.pick_place.problem import PickPlaceProblem
+from runtime.pick_place.task import Task
+from runtime.plan import Plan
+from runtime.robot.load import built_in_robots, load_robot
+from runtime.scene.library import find_scene
+from runtime.scene.load import load_scene
+from runtime.search.limits import Limits
+from runtime.search.siw_r import lazy_siiw_r
+from runtime.trace.make import trace_of_plan
+from runtime.trace.model import Trace
+from runtime.trace.sketch import load_trace_sketch
+from sketchlang.compile import compile_sketch
+from sketchlang.loader import load_sketch
+
+SKETCH = "pick_and_place"
+SCENES = (
+    "sorting/1t-20",
+    "sorting/3t-02",
+    "sorting/3t-25",
+    "sorting/4t-07",
+    "sorting/4t-28",
+    "non_monotonic/2t-11",
+    "words/tamp",
+    "words/robot",
+)
+
+
+def planned(scene_name: str, seed: int) -> Trace:
+    """The trace of a plan made now, for the first built-in robot."""
+    path, name = find_scene(scene_name)
+    scene, robot = load_scene(path, name), load_robot(built_in_robots()[0])
+    task = Task(scene, robot)
+    compiled = compile_sketch(load_sketch(SKETCH).checked)
+    outcome = lazy_siiw_r(
+        compiled, PickPlaceProblem(task, seed), Limits(timeout=300.0), np.random.default_rng(seed)
+    )
+    assert outcome.solved, f"{scene_name}, seed {seed}: {outcome.reason}"
+    plan: Plan = document(task, compiled.model, outcome, "lazy-siiw-r", seed)
+    return trace_of_plan(plan, scene, robot, load_trace_sketch(SKETCH))
+
+
+def open_loop(scenes: Sequence[str] = SCENES, seeds: Sequence[int] = range(5)) -> None:
+    """Execute plans of all scenes, and print a row for each scene."""
+    print("| scene | plans | executed well | objects | largest error | median error | slips |"
+          " touches | simulated | x real time |")  # fmt: skip
+    print("|---|---|---|---|---|---|---|---|---|---|")
+    exceptions = []
+    for scene in scenes:
+        errors: list[float] = []
+        well = slips = touches = 0
+        simulated = wall = 0.0
+        for seed in seeds:
+            trace = planned(scene, seed)
+            started = perf_counter()
+            report, _ = execute(trace)
+            wall += perf_counter() - started
+            simulated += report.duration
+            errors += [pose.error for pose in report.objects]
+            well += report.success
+            slips += len(report.slips)
+            touches += len(report.touches)
+            if not report.success or report.slips or report.touches:
+                far = [f"{p.object} {1000 * p.error:.0f} mm" for p in report.objects if not p.near]
+                what = [f"{s.time:.1f} s {s.object} {s.what}" for s in report.slips]
+                what += [f"{t.time:.1f} s {t.link} touches {t.thing}" for t in report.touches]
+                exceptions.append(f"{scene}, seed {seed}: {[*report.unmet, *far, *what]}")
+        print(
+            f"| {scene} | {len(seeds)} | {well} | {len(errors)} | {1000 * max(errors):.1f} mm |"
+            f" {1000 * float(np.median(errors)):.2f} mm | {slips} | {touches} |"
+            f" {simulated:.0f} s | {simulated / wall:.0f} |",
+            flush=True,
+        )
+    print("\n".join(["", *exceptions]))
+
+
+if __name__ == "__main__":
+    open_loop(sys.argv[1:] or SCENES)

@@ -1,0 +1,90 @@
+"""Benchmarks: results are kept line by line, nothing is lost and nothing repeated."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+
+import pytest
+from click.testing import CliRunner
+
+from runtime.bench import runner, tables
+from runtime.bench.runner import Job
+from runtime.bench.suites import jobs_of
+from runtime.errors import InputError
+from sketchlang.cli import cli
+
+
+def line(job: Job, seconds: float = 1.0) -> str:
+    result = {
+        "job": asdict(job), "scene": job.scene, "planner": job.planner, "seed": job.seed,
+        "solved": True, "valid": True, "planning_time_s": seconds, "execution_time_s": 60.0,
+        "expanded": 10, "subplans": 4, "objects_moved": 2, "peak_mb": 200,
+        "profile": {"motion_plan": {"calls": 4, "successes": 2, "time_s": 0.01}},
+    }  # fmt: skip
+    return json.dumps(result) + "\n"
+
+
+def job(seed: int, planner: str = "siw-r") -> Job:
+    return Job("pick_and_place", "sorting/3t-02", planner, seed, 60.0)
+
+
+def test_a_line_that_was_cut_off_is_no_result(tmp_path) -> None:
+    path = tmp_path / "results.jsonl"
+    path.write_text(line(job(0)) + line(job(1))[:-20])
+    assert [runner.key(result) for result in runner.read_results(path)] == [job(0)]
+
+
+def test_a_damaged_line_in_the_middle_is_named(tmp_path) -> None:
+    path = tmp_path / "results.jsonl"
+    path.write_text(line(job(0))[:-20] + "\n" + line(job(1)))
+    with pytest.raises(InputError, match="line 1"):
+        runner.read_results(path)
+
+
+def test_nothing_is_run_when_all_is_there(tmp_path) -> None:
+    path = tmp_path / "results.jsonl"
+    text = line(job(0)) + line(job(1))
+    path.write_text(text)
+    runner.run_all([job(0), job(1)], path, 1, done=lambda _: pytest.fail("ran again"))
+    assert path.read_text() == text
+
+
+def test_tables_say_how_many_were_solved_and_certified() -> None:
+    results = [json.loads(line(job(seed), seconds)) for seed, seconds in enumerate((1.0, 3.0, 2.0))]
+    results[0]["valid"] = False
+    row = tables.main_table(results)[-1]
+    assert "3/3" in row
+    assert "2/3" in row
+    assert "2.00; 3.00" in row
+    assert "50 %" in tables.profile_table(results)[-1]
+
+
+def test_ratios_compare_the_planners_scene_by_scene() -> None:
+    results = [json.loads(line(job(0, "lazy-siiw-r"), 1.0)), json.loads(line(job(0), 2.5))]
+    assert "2.5 times" in tables.ratio_lines(results)[0]
+
+
+def test_the_paper_suite_is_scenes_by_planners_by_seeds(tmp_path) -> None:
+    assert len(set(jobs_of("paper", 10, (), (), 60.0, tmp_path / "x"))) == 8 * 2 * 10
+    with pytest.raises(InputError, match="no planner"):
+        jobs_of("paper", 1, ("fast",), (), 60.0, tmp_path / "x")
+    with pytest.raises(InputError, match="no scene"):
+        jobs_of("paper", 1, (), ("sorting/none",), 60.0, tmp_path / "x")
+
+
+@pytest.mark.slow
+def test_an_interrupted_benchmark_goes_on_where_it_was(tmp_path) -> None:
+    out = tmp_path / "results.jsonl"
+    arguments = ["bench", "paper", "--scene", "sorting/3t-02", "--planner", "siw-r"]
+    arguments += ["--jobs", "1", "--out", str(out), "--seeds"]
+    assert CliRunner().invoke(cli, [*arguments, "1"]).exit_code == 0
+    first = out.read_text()
+    out.write_text(first + '{"job": {"sk')
+    done = CliRunner().invoke(cli, [*arguments, "2"])
+    assert done.exit_code == 0
+    assert out.read_text().startswith(first)
+    results = runner.read_results(out)
+    assert [result["seed"] for result in results] == [0, 1]
+    assert all(result["solved"] and result["valid"] for result in results)
+    assert "| sorting/3t-02 | siw-r | 2/2 | 2/2 |" in done.stdout
