@@ -61,6 +61,7 @@ class Follower:
         self._target = np.concatenate([physics.scene.robot_start, physics.robot.home])
         self._opening = physics.robot.max_opening
         self._in_tool: Floats | None = None
+        self._kept: float | None = None  # the opening of fingers that a disturbance stops
         self._letting: int | None = None  # what the fingers are just opening around
         self._touching: set[tuple[str, str]] = set()
 
@@ -69,18 +70,25 @@ class Follower:
         for _ in range(round(seconds / STEP)):
             self._step(self._target, np.zeros(len(self._target)), None)
 
-    def follow(self, trace: Trace, watch: Watcher | None = None, start: float = 0.0) -> float:
-        """Follow a trace from a time on; returns the time in the trace where it ended,
-        earlier than its duration where the watcher wanted to stop."""
-        steps = max(1, math.ceil((trace.duration - start) / STEP))
-        times = np.minimum(start + np.arange(steps + 1) * STEP, trace.duration)
+    def follow(
+        self,
+        trace: Trace,
+        watch: Watcher | None = None,
+        start: float = 0.0,
+        stop: float | None = None,
+    ) -> float:
+        """Follow a trace from a time to another; returns the time in the trace where it ended,
+        earlier than wanted where the watcher had it stopped."""
+        stop = trace.duration if stop is None else stop
+        steps = max(1, math.ceil((stop - start) / STEP))
+        times = np.minimum(start + np.arange(steps + 1) * STEP, stop)
         base, base_speed = trace.base.at(times)
         joints, joint_speed = trace.joints.at(times)
         target, speed = np.hstack([base, joints]), np.hstack([base_speed, joint_speed])
         opening = trace.opening.at(times)[0][:, 0]
         # Headings of a trace are not wrapped; the motor's may be off by whole turns.
         target[:, 2] += 2 * math.pi * round((self._target[2] - target[0, 2]) / (2 * math.pi))
-        grips = [grip for grip in trace.grips if grip.time > start + 1e-9]
+        grips = [grip for grip in trace.grips if start + 1e-9 < grip.time <= stop + 1e-9]
         clock, rate, braking, checked = 0.0, 1.0, False, -1.0
         marks = [(start, self.physics.time)]
         while clock < steps and rate > 0:
@@ -96,12 +104,13 @@ class Follower:
             whole = min(int(clock), steps - 1)
             share = clock - whole
             goal = target[whole] + share * (target[whole + 1] - target[whole])
-            self._opening = float(opening[whole + 1])
+            self._opening = float(opening[whole + 1]) if self._kept is None else self._kept
             self._step(goal, rate * speed[whole + 1], grips[0] if grips else None)
-        end = min(start + clock * STEP, trace.duration)
+        end = min(start + clock * STEP, stop)
         if grips and rate > 0 and self._handle(grips[0], end + STEP, marks):
             grips.pop(0)
         marks.append((end, self.physics.time))
+        self._kept = None
         self._keep_books(trace, marks, start, end)
         return end
 
@@ -141,8 +150,9 @@ class Follower:
                 return False
             self.let_go()
             return True
-        if now >= grip.start and not physics.squeezing:
+        if now >= grip.start and not physics.squeezing and self._kept is None:
             physics.squeezing = not self.grasp_fails()
+            self._kept = None if physics.squeezing else self._opening
         if now < grip.time:
             return False
         marks.append((now, physics.time))

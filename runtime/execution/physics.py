@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 import os
+import sys
 import tempfile
 from contextlib import contextmanager
 from collections.abc import Iterator
@@ -235,9 +236,7 @@ class Physics:
         # The constraint stands for the fingers' friction: with both, they would work against
         # each other, and the constraint's force would say nothing about the load.
         for link in self._gripper:
-            self.bullet.setCollisionFilterPair(
-                self.body, self.objects[index], link, -1, int(touch)
-            )
+            self.bullet.setCollisionFilterPair(self.body, self.objects[index], link, -1, int(touch))
 
     def release(self) -> None:
         """Let go of what is held."""
@@ -308,13 +307,17 @@ def connect(gui: bool) -> Any:
 
 @contextmanager
 def quiet() -> Iterator[None]:
-    """Keep what native code prints off the standard output: it belongs to results."""
-    keep = os.dup(1)
+    """Keep what native code prints off our output: results only belong there."""
+    sys.stdout.flush()
+    sys.stderr.flush()
+    keep = [os.dup(1), os.dup(2)]
     sink = os.open(os.devnull, os.O_WRONLY)
     try:
         os.dup2(sink, 1)
+        os.dup2(sink, 2)
         yield
     finally:
-        os.dup2(keep, 1)
-        os.close(keep)
+        for number, kept in enumerate(keep, 1):
+            os.dup2(kept, number)
+            os.close(kept)
         os.close(sink)

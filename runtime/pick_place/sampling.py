@@ -2,8 +2,8 @@
 
 Relevant objects and surfaces come first, grasps from the side that nothing bars first, and
 base poses where the sampled grasps can be taken. Each failure of a subproblem doubles the
-density and drops a restriction; in the end every grasp, placement and base pose can be
-sampled, which keeps the planner probabilistically complete.
+density and drops a restriction; from the third attempt on every grasp, placement and base
+pose can be sampled, which keeps the planner probabilistically complete.
 """
 
 from __future__ import annotations
@@ -36,6 +36,10 @@ PLACEMENTS = 7
 BASES = 7
 """Published numbers of samples: grasps an object, placements and base poses a surface."""
 
+DOUBT = 2
+"""From this attempt on the features' estimate of what bars the way is no longer believed, and
+every grasp, placement and base pose can be sampled."""
+
 CHOICE = 3
 """Placements to put something aside are the best of so many times their number."""
 
@@ -57,7 +61,7 @@ class Samples:
     bases: tuple[BasePose, ...]
     picks: tuple[tuple[int, tuple[Grasp, ...]], ...]
     places: tuple[Placement, ...]
-    placed: int | None
+    placed: int | None  # the object that `places` are for; None: any
 
     def actions(self, state: State) -> Iterator[tuple[Action, State]]:
         """Sampled ground actions in a state, and where each leads if it is executable.
@@ -72,7 +76,7 @@ class Samples:
                 placement = state.placements[index]
                 if placement is not None:
                     targets.extend((index, placement, grasp) for grasp in grasps)
-        elif state.grasp is not None and state.held == self.placed:
+        elif state.grasp is not None and self.placed in (None, state.held):
             targets = [(state.held, placement, state.grasp) for placement in self.places]
         for index, placement, grasp in executor.in_arm_workspace(state.base, targets):
             action = Pick(index, grasp) if state.held is None else Place(index, placement)
@@ -90,16 +94,19 @@ class Sampler:
     def __init__(self, task: Task, executor: Executor) -> None:
         self.task = task
         self.executor = executor
+        self._doubting = False
 
     def sample(self, state: State, attempt: int, rng: np.random.Generator) -> Samples:
         """Samples for the subproblem that starts in a state; `attempt` counts its failures."""
         scale = 2**attempt
+        self._doubting = attempt >= DOUBT
         if state.held is None:
             picks = self._picks(state, attempt, rng)
             wanted = [
                 [(state.placements[index], grasp) for grasp in grasps] for index, grasps in picks
             ]
-            places: list[Placement] = []
+            places = self._anywhere(state, scale, rng) if self._doubting else []
+            wanted += [[(placement, Grasp.of(0.0, 0.0))] for placement in places]
         else:
             assert state.grasp is not None
             places = self._placements(state, attempt, rng)
@@ -111,8 +118,11 @@ class Sampler:
                     goals = self._goal_placements_with(state, index, grasp, scale, rng)
                     places += goals
                     wanted += [[(placement, grasp)] for placement in goals + aside]
+            if self._doubting:
+                picks += self._picks(state, attempt, rng)
         bases = self._bases(state, wanted, scale, rng)
-        return Samples(self.executor, tuple(bases), tuple(picks), tuple(places), state.held)
+        placed = None if self._doubting else state.held
+        return Samples(self.executor, tuple(bases), tuple(picks), tuple(places), placed)
 
     # -- grasps --------------------------------------------------------------------------
 
@@ -132,6 +142,8 @@ class Sampler:
                 # The estimate may be wrong: try what geometry allows at all.
                 free = int(arrangement.reachable[index])
             free = self._placeable(state, index, free) or free
+            if self._doubting:
+                free = swept.ALL
             headings = pick_headings(free, GRASPS * 2**attempt, rng)
             jitter = 0.0 if attempt == 0 else STEP / 2
             height = task.shapes[index].grasp_height
@@ -227,7 +239,7 @@ class Sampler:
         goal = task.goal_sites(index, arrangement)
         number = PLACEMENTS * 2**attempt
         found: list[Placement] = []
-        if goal is not None and task.obstructions(state, index) == 0:
+        if goal is not None and (self._doubting or task.obstructions(state, index) == 0):
             found = self._goal_placements(state, goal, number, rng)
             if attempt == 0 and any(task.disturbed_by(state, index, p) == 0 for p in found):
                 return found
@@ -236,6 +248,22 @@ class Sampler:
             candidates = self._free_placements(state, surface, CHOICE * number, rng)
             aside += self._least_in_the_way(state, candidates)[:number]
         return found + self._least_in_the_way(state, aside)
+
+    def _anywhere(self, state: State, scale: int, rng: np.random.Generator) -> list[Placement]:
+        """Placements for whatever will be picked up, unoccupied for the largest object."""
+        task = self.task
+        standing = [i for i, placement in enumerate(state.placements) if placement is not None]
+        index = max(standing, key=lambda i: task.shapes[i].outer_radius)
+        grasp = Grasp.of(rng.uniform(0.0, 2 * math.pi), task.shapes[index].grasp_height)
+        holding = State(state.base, state.placements, index, grasp, task)
+        found = []
+        for surface in range(len(task.scene.surfaces)):
+            found += self._free_placements(holding, surface, PLACEMENTS * scale, rng)
+        return found
+
+    def _jitter(self, rng: np.random.Generator) -> float:
+        """A random turn within a step of headings, once the estimate is doubted."""
+        return rng.uniform(-STEP / 2, STEP / 2) if self._doubting else 0.0
 
     def _least_in_the_way(self, state: State, placements: list[Placement]) -> list[Placement]:
         """Placements ordered by how many ways, to misplaced objects and to places that
@@ -275,7 +303,7 @@ class Sampler:
                 yaws = [goal.yaw + i * step for i in range(goal.symmetry)]
             else:
                 headings = pick_headings(self._free_at(state, x, y, goal.surface), number, rng)
-                yaws = [k * STEP - state.grasp.heading for k in headings]
+                yaws = [k * STEP + self._jitter(rng) - state.grasp.heading for k in headings]
             found += [Placement.of(x, y, yaw, goal.surface) for yaw in yaws]
         return found
 
@@ -319,7 +347,7 @@ class Sampler:
                 if not free and turn < 2:
                     continue
                 for k in pick_headings(free or swept.ALL, 1, rng):
-                    yaw = k * STEP - state.grasp.heading
+                    yaw = k * STEP + self._jitter(rng) - state.grasp.heading
                     found.append(Placement.of(x, y, yaw, surface_index))
                 if len(found) >= number:
                     return found
@@ -327,6 +355,8 @@ class Sampler:
 
     def _free_at(self, state: State, x: float, y: float, surface: int) -> int:
         """Headings along which nothing bars the way to a site that is not occupied."""
+        if self._doubting:
+            return swept.ALL
         task = self.task
         assert state.held is not None
         arrangement = task.arrangement(state.placements)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -29,14 +30,32 @@ JOIN = 1e-3
 """Radians or metres by which a piece may start away from where the one before it ended."""
 
 
-def trace_of_plan(plan: Plan, scene: Scene, robot: RobotModel, sketch: TraceSketch) -> Trace:
+@dataclass(frozen=True, eq=False)
+class Start:
+    """Where a plan starts that does not start where its scene does: the base's pose is the
+    plan's; poses (7,) of the objects' bottoms in the world; of a held one, its pose (7,) in
+    the tool frame, and the opening of the gripper."""
+
+    objects: tuple[Floats, ...]
+    held: int | None
+    in_tool: Floats | None
+    opening: float
+
+
+def trace_of_plan(
+    plan: Plan,
+    scene: Scene,
+    robot: RobotModel,
+    sketch: TraceSketch,
+    start: Start | None = None,
+) -> Trace:
     """The trace of a plan.
 
     Raises:
         InputError: the plan is of another scene, robot or sketch, or does not hang together.
     """
     _check(plan, scene, robot, sketch)
-    return _Maker(plan, scene, trace_robot(robot), robot, sketch).make()
+    return _Maker(plan, scene, trace_robot(robot), robot, sketch, start).make()
 
 
 def trace_robot(robot: RobotModel) -> TraceRobot:
@@ -90,7 +109,13 @@ def _check(plan: Plan, scene: Scene, robot: RobotModel, sketch: TraceSketch) -> 
 
 class _Maker:
     def __init__(
-        self, plan: Plan, scene: Scene, robot: TraceRobot, model: RobotModel, sketch: TraceSketch
+        self,
+        plan: Plan,
+        scene: Scene,
+        robot: TraceRobot,
+        model: RobotModel,
+        sketch: TraceSketch,
+        start: Start | None,
     ) -> None:
         self.plan, self.scene, self.robot, self.sketch = plan, scene, robot, sketch
         self.model = model
@@ -104,6 +129,12 @@ class _Maker:
         self.objects = [
             [_still(0.0, WORLD, start_pose(scene, index))] for index in range(len(scene.objects))
         ]
+        if start is not None:
+            self.objects = [[_still(0.0, WORLD, pose)] for pose in start.objects]
+            self.opening = TrackBuilder(np.array([start.opening]))
+            if start.held is not None and start.in_tool is not None:
+                self.held = start.held
+                self.objects[start.held].append(_still(0.0, robot.tool, start.in_tool))
 
     def make(self) -> Trace:
         actions: list[TraceAction] = []
