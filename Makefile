@@ -5,12 +5,13 @@ VENV   := .venv
 BIN    := $(VENV)/bin
 READY  := $(VENV)/.ready
 
-.PHONY: demo test check slow lock clean help
+.PHONY: demo test lint check slow lock clean help
 
 help:
 	@echo "make demo   plan the seven-object sorting scene and certify the plan"
 	@echo "make test   all fast tests"
 	@echo "make slow   end-to-end tests that take minutes"
+	@echo "make lint   lint and types"
 	@echo "make check  lint, types and fast tests, for the daily loop"
 	@echo "make lock   resolve the dependencies anew"
 
@@ -30,11 +31,12 @@ test: $(READY)
 slow: $(READY)
 	$(BIN)/python -m pytest -m slow
 
-check: $(READY)
+lint: $(READY)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
-	$(BIN)/python -m pytest
+
+check: lint test
 
 lock:
 	$(BIN)/python -m pip install --quiet "pip-tools>=7.5"

@@ -228,6 +228,10 @@ class Physics:
         # Stronger than the limit at which `step` breaks it: it shall break, not stretch.
         b.changeConstraint(self._constraint, maxForce=4 * self.materials.holding_force)
         self._let_fingers_touch(index, False)
+        # An object that fell asleep in the gripper would be torn out of it at the next move.
+        b.changeDynamics(
+            self.objects[index], -1, activationState=b.ACTIVATION_STATE_DISABLE_SLEEPING
+        )
         self.held, self.squeezing = index, False
         self._held_opening = self.opening()
         return True

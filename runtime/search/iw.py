@@ -69,6 +69,7 @@ def iw(
         effort.expanded += 1
         candidates: list[tuple[bool, int, Action, State, tuple[Hashable, ...], str | None]] = []
         for action, state in subproblem.actions(node.state):
+            limits.check()
             effort.generated += 1
             atoms = guide.atoms(state)
             if table.is_novel(atoms):

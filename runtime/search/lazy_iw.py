@@ -108,6 +108,7 @@ class LazyIW:
     def _expand(self, node: LazyNode) -> Iterator[None]:
         """Generate the children of a node; pauses whenever there are new candidates."""
         for action, state in self.subproblem.actions(node.state):
+            self.limits.check()
             if action in node.tried:
                 continue
             node.tried.add(action)
