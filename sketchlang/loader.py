@@ -291,6 +291,8 @@ def _import_domain(module: str, attribute: str, name: str) -> Domain:
 def domains_of_file(path: str) -> dict[str, Domain]:
     """The domains that a Python file declares, by name."""
     file = Path(path)
+    if file.is_dir():
+        raise LoadError(f"{path}: is a directory, not a Python file")
     if not file.is_file():
         raise LoadError(f"{path}: no such file")
     spec = importlib.util.spec_from_file_location(f"_sketchlang_domain_{file.stem}", file)

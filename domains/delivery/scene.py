@@ -49,7 +49,8 @@ def of_map(text: str) -> DeliveryProblem:
             if sign == ".":
                 continue
             if sign not in ("A", "T") and not (len(sign) == 1 and "a" <= sign <= "z"):
-                raise ValueError(f"{sign!r} in the map means nothing (A T # . a-z)")
+                apart = "" if len(sign) == 1 else "; signs are set apart by blanks"
+                raise ValueError(f"{sign!r} in the map means nothing (A T # . a-z{apart})")
             if sign in places:
                 raise ValueError(f"{sign!r} is twice in the map")
             places[sign] = cell

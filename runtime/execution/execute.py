@@ -112,7 +112,7 @@ def _report(trace: Trace, physics: Physics, follower: Follower) -> Report:
 def _final(scene: Scene, index: int, planned: Floats, pose: Floats) -> FinalPose:
     is_at = matrix(pose)
     # Plans leave air between tables and objects, which physics does not.
-    surfaces = [s for s in scene.surfaces if s.contains(*planned[:2, 3], -NEAR)]
+    surfaces = [s for s in scene.surfaces if s.contains(planned[0, 3], planned[1, 3], -NEAR)]
     target = planned[:3, 3].copy()
     if surfaces:
         target[2] += surfaces[0].table.size[2] - surfaces[0].rest

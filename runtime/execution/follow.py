@@ -140,6 +140,11 @@ class Follower:
             self.recorder.event("touch", f"{link} touches {thing}")
         self._touching = now
 
+    def held_pose(self) -> Floats:
+        """World pose (4, 4) of the held object's bottom."""
+        assert self.physics.held is not None
+        return matrix(self.physics.object_pose(self.physics.held))
+
     # -- grips ---------------------------------------------------------------------------------
 
     def _handle(self, grip: Grip, now: float, marks: list[tuple[float, float]]) -> bool:

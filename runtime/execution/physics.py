@@ -12,8 +12,8 @@ import math
 import os
 import sys
 import tempfile
-from contextlib import contextmanager
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from time import sleep
@@ -254,6 +254,12 @@ class Physics:
             )
         self._constraint = self.held = None
         self.squeezing = False
+
+    def shift(self, index: int, step: Floats) -> None:
+        """Move an object by a step (3,), as somebody who pushes it does."""
+        b, body = self.bullet, self.objects[index]
+        position, turn = b.getBasePositionAndOrientation(body)
+        b.resetBasePositionAndOrientation(body, (np.array(position) + step).tolist(), turn)
 
     # -- what is measured ----------------------------------------------------------------------
 

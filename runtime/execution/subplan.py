@@ -9,10 +9,9 @@ from runtime.pick_place.problem import PickPlaceProblem
 from runtime.pick_place.state import State
 from runtime.plan import Plan
 from runtime.search.guide import Guide, Subgoal
-from runtime.search.iw import Effort
-from runtime.search.lazy_iw import LazyIW
 from runtime.search.limits import Limits
-from runtime.search.siw_r import Outcome, schedule
+from runtime.search.query import Query
+from runtime.search.siw_r import Outcome, lazy, schedule
 
 
 def next_subgoal(
@@ -28,28 +27,28 @@ def next_subgoal(
     profile = problem.profile_dict()
     for attempt, k in schedule(limits):
         subproblem = problem.subproblem(state, attempt, rng)
-        effort = Effort()
-        found = LazyIW(guide, subproblem, state, values, k, limits, effort).run()
+        query = Query(guide, subproblem, state, values, k, limits)
+        found = lazy(query)
         if found is None:
             continue
-        path, rule = found
-        after = problem.profile_dict()
+        steps, rule = found
+        counts = problem.profile_dict()
         refused = {
             name: int(step["calls"] - step["successes"])
             - int(profile[name]["calls"] - profile[name]["successes"])
-            for name, step in after.items()
+            for name, step in counts.items()
         }
         return Subgoal(
             rule=rule,
             before=values,
-            after=guide.values(path[-1].child.state),
-            actions=tuple(edge.action for edge in path),
-            motions=tuple(edge.motion for edge in path),
-            states=tuple(edge.child.state for edge in path),
+            after=guide.values(steps[-1][2]),
+            actions=tuple(action for action, _, _ in steps),
+            motions=tuple(motion for _, motion, _ in steps),
+            states=tuple(after for _, _, after in steps),
             attempt=attempt,
             width=k,
-            expanded=effort.expanded,
-            generated=effort.generated,
+            expanded=query.effort.expanded,
+            generated=query.effort.generated,
             rejected=refused,
         )
     return None

@@ -1,4 +1,8 @@
-"""The tables of `docs/execution.md`: `python -m runtime.execution.tables`."""
+"""The tables of `docs/execution.md`.
+
+python -m runtime.execution.tables open [SCENE...]
+python -m runtime.execution.tables closed [KIND...]
+"""
 
 from __future__ import annotations
 
@@ -8,6 +12,8 @@ from time import perf_counter
 
 import numpy as np
 
+from runtime.execution.closed_loop import ClosedLoop
+from runtime.execution.disturb import KINDS
 from runtime.execution.execute import execute
 from runtime.pick_place.document import document
 from runtime.pick_place.problem import PickPlaceProblem
@@ -85,5 +91,43 @@ def open_loop(scenes: Sequence[str] = SCENES, seeds: Sequence[int] = range(5)) -
     print("\n".join(["", *exceptions]))
 
 
+def closed_loop(kinds: Sequence[str] = KINDS, seeds: Sequence[int] = range(10)) -> None:
+    """Execute the sketch in `sorting/4t-07` with each kind of disturbance."""
+    path, name = find_scene("sorting/4t-07")
+    scene, robot = load_scene(path, name), load_robot(built_in_robots()[0])
+    compiled = compile_sketch(load_sketch(SKETCH).checked)
+    text = load_trace_sketch(SKETCH)
+    print("| disturbance | runs | disturbed | goal reached | touches of sensed objects | subplans |"
+          " broken off | time |")  # fmt: skip
+    print("|---|---|---|---|---|---|---|---|")
+    exceptions = []
+    for kind in kinds:
+        verdicts, disturbances = [], 0
+        for seed in seeds:
+            verdict, trace = ClosedLoop(compiled, text, scene, robot, seed, kind).run()
+            verdicts.append(verdict)
+            events = trace.events if trace is not None else ()
+            disturbances += any(event.kind == "disturbance" for event in events)
+            what = [] if verdict.reason is None else [verdict.reason]
+            what += [f"{t.time:.1f} s {t.link} touches {t.thing}" for t in verdict.touches]
+            if what:
+                happened = [f"{e.time:.1f} s {e.text}" for e in events if e.kind == "disturbance"]
+                exceptions.append(f"{kind}, seed {seed}: {what}, after {happened}")
+        count = len(verdicts)
+        print(
+            f"| {kind} | {count} | {disturbances} | {sum(v.goal_reached for v in verdicts)} |"
+            f" {sum(len(v.touches) for v in verdicts)} |"
+            f" {sum(v.subplans for v in verdicts) / count:.1f} |"
+            f" {sum(v.broken_off for v in verdicts) / count:.1f} |"
+            f" {sum(v.duration for v in verdicts) / count:.0f} s |",
+            flush=True,
+        )
+    print("\n".join(["", *exceptions]))
+
+
 if __name__ == "__main__":
-    open_loop(sys.argv[1:] or SCENES)
+    command, *names = [*sys.argv[1:], "open"][: max(1, len(sys.argv) - 1)]
+    if command == "closed":
+        closed_loop(names or KINDS)
+    else:
+        open_loop(names or SCENES)

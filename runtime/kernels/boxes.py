@@ -18,6 +18,27 @@ PARALLEL = 1e-9
 """Added to absolute rotation entries so that near-parallel edges give no false axis."""
 
 
+@njit(cache=True, inline="always")
+def _between(a, b):  # type: ignore[no-untyped-def]
+    """Rotation (row by row) and position of pose b in the frame of pose a."""
+    dx = b[0, 3] - a[0, 3]
+    dy = b[1, 3] - a[1, 3]
+    dz = b[2, 3] - a[2, 3]
+    tx = a[0, 0] * dx + a[1, 0] * dy + a[2, 0] * dz
+    ty = a[0, 1] * dx + a[1, 1] * dy + a[2, 1] * dz
+    tz = a[0, 2] * dx + a[1, 2] * dy + a[2, 2] * dz
+    r00 = a[0, 0] * b[0, 0] + a[1, 0] * b[1, 0] + a[2, 0] * b[2, 0]
+    r01 = a[0, 0] * b[0, 1] + a[1, 0] * b[1, 1] + a[2, 0] * b[2, 1]
+    r02 = a[0, 0] * b[0, 2] + a[1, 0] * b[1, 2] + a[2, 0] * b[2, 2]
+    r10 = a[0, 1] * b[0, 0] + a[1, 1] * b[1, 0] + a[2, 1] * b[2, 0]
+    r11 = a[0, 1] * b[0, 1] + a[1, 1] * b[1, 1] + a[2, 1] * b[2, 1]
+    r12 = a[0, 1] * b[0, 2] + a[1, 1] * b[1, 2] + a[2, 1] * b[2, 2]
+    r20 = a[0, 2] * b[0, 0] + a[1, 2] * b[1, 0] + a[2, 2] * b[2, 0]
+    r21 = a[0, 2] * b[0, 1] + a[1, 2] * b[1, 1] + a[2, 2] * b[2, 1]
+    r22 = a[0, 2] * b[0, 2] + a[1, 2] * b[1, 2] + a[2, 2] * b[2, 2]
+    return r00, r01, r02, r10, r11, r12, r20, r21, r22, tx, ty, tz
+
+
 @njit(cache=True)
 def pose_vs_upright(pose, half, radius, box, margin):  # type: ignore[no-untyped-def]
     """Whether a free box touches an upright box grown by `margin` on every side.
@@ -55,21 +76,7 @@ def pose_vs_upright(pose, half, radius, box, margin):  # type: ignore[no-untyped
 @njit(cache=True)
 def pose_vs_pose(a, half_a, b, half_b, margin):  # type: ignore[no-untyped-def]
     """Whether two free boxes touch, the first grown by `margin` on every side."""
-    dx = b[0, 3] - a[0, 3]
-    dy = b[1, 3] - a[1, 3]
-    dz = b[2, 3] - a[2, 3]
-    tx = a[0, 0] * dx + a[1, 0] * dy + a[2, 0] * dz
-    ty = a[0, 1] * dx + a[1, 1] * dy + a[2, 1] * dz
-    tz = a[0, 2] * dx + a[1, 2] * dy + a[2, 2] * dz
-    r00 = a[0, 0] * b[0, 0] + a[1, 0] * b[1, 0] + a[2, 0] * b[2, 0]
-    r01 = a[0, 0] * b[0, 1] + a[1, 0] * b[1, 1] + a[2, 0] * b[2, 1]
-    r02 = a[0, 0] * b[0, 2] + a[1, 0] * b[1, 2] + a[2, 0] * b[2, 2]
-    r10 = a[0, 1] * b[0, 0] + a[1, 1] * b[1, 0] + a[2, 1] * b[2, 0]
-    r11 = a[0, 1] * b[0, 1] + a[1, 1] * b[1, 1] + a[2, 1] * b[2, 1]
-    r12 = a[0, 1] * b[0, 2] + a[1, 1] * b[1, 2] + a[2, 1] * b[2, 2]
-    r20 = a[0, 2] * b[0, 0] + a[1, 2] * b[1, 0] + a[2, 2] * b[2, 0]
-    r21 = a[0, 2] * b[0, 1] + a[1, 2] * b[1, 1] + a[2, 2] * b[2, 1]
-    r22 = a[0, 2] * b[0, 2] + a[1, 2] * b[1, 2] + a[2, 2] * b[2, 2]
+    r00, r01, r02, r10, r11, r12, r20, r21, r22, tx, ty, tz = _between(a, b)
     return _overlap(
         r00, r01, r02, r10, r11, r12, r20, r21, r22, tx, ty, tz,
         half_a[0] + margin, half_a[1] + margin, half_a[2] + margin,
@@ -153,21 +160,7 @@ def gap_to_upright(pose, half, radius, box, enough):  # type: ignore[no-untyped-
 @njit(cache=True)
 def gap_to_pose(a, half_a, b, half_b):  # type: ignore[no-untyped-def]
     """The same bound for two free boxes, by the face normals of both."""
-    dx = b[0, 3] - a[0, 3]
-    dy = b[1, 3] - a[1, 3]
-    dz = b[2, 3] - a[2, 3]
-    tx = a[0, 0] * dx + a[1, 0] * dy + a[2, 0] * dz
-    ty = a[0, 1] * dx + a[1, 1] * dy + a[2, 1] * dz
-    tz = a[0, 2] * dx + a[1, 2] * dy + a[2, 2] * dz
-    r00 = a[0, 0] * b[0, 0] + a[1, 0] * b[1, 0] + a[2, 0] * b[2, 0]
-    r01 = a[0, 0] * b[0, 1] + a[1, 0] * b[1, 1] + a[2, 0] * b[2, 1]
-    r02 = a[0, 0] * b[0, 2] + a[1, 0] * b[1, 2] + a[2, 0] * b[2, 2]
-    r10 = a[0, 1] * b[0, 0] + a[1, 1] * b[1, 0] + a[2, 1] * b[2, 0]
-    r11 = a[0, 1] * b[0, 1] + a[1, 1] * b[1, 1] + a[2, 1] * b[2, 1]
-    r12 = a[0, 1] * b[0, 2] + a[1, 1] * b[1, 2] + a[2, 1] * b[2, 2]
-    r20 = a[0, 2] * b[0, 0] + a[1, 2] * b[1, 0] + a[2, 2] * b[2, 0]
-    r21 = a[0, 2] * b[0, 1] + a[1, 2] * b[1, 1] + a[2, 2] * b[2, 1]
-    r22 = a[0, 2] * b[0, 2] + a[1, 2] * b[1, 2] + a[2, 2] * b[2, 2]
+    r00, r01, r02, r10, r11, r12, r20, r21, r22, tx, ty, tz = _between(a, b)
     return _face_gap(
         r00, r01, r02, r10, r11, r12, r20, r21, r22, tx, ty, tz,
         half_a[0], half_a[1], half_a[2], half_b[0], half_b[1], half_b[2],

@@ -10,10 +10,9 @@ from collections import deque
 from collections.abc import Hashable
 from dataclasses import dataclass
 
-from runtime.search.guide import Guide, Values
-from runtime.search.limits import Limits
 from runtime.search.novelty import NoveltyTable
-from runtime.search.problem import Action, Motion, State, Subproblem
+from runtime.search.problem import Action, Motion, State
+from runtime.search.query import Query
 
 
 @dataclass(eq=False)
@@ -35,23 +34,7 @@ class Node:
         return nodes[::-1]
 
 
-@dataclass
-class Effort:
-    """Nodes expanded and generated."""
-
-    expanded: int = 0
-    generated: int = 0
-
-
-def iw(
-    guide: Guide,
-    subproblem: Subproblem,
-    start: State,
-    before: Values,
-    k: int,
-    limits: Limits,
-    effort: Effort,
-) -> tuple[Node, str] | None:
+def iw(query: Query) -> tuple[Node, str] | None:
     """A node whose state is a subgoal of the start, and the rule it satisfies, or None.
 
     Every edge of the tree is executable: its motion is planned before the child is kept.
@@ -60,9 +43,10 @@ def iw(
     Raises:
         OutOfTimeError: when the limits say so.
     """
-    root = Node(start)
-    table = NoveltyTable(k)
-    table.add(guide.atoms(start))
+    guide, subproblem, limits, effort = query.guide, query.subproblem, query.limits, query.effort
+    root = Node(query.start)
+    table = NoveltyTable(query.k)
+    table.add(guide.atoms(query.start))
     queue = deque([root])
     while queue:
         node = queue.popleft()
@@ -73,7 +57,7 @@ def iw(
             effort.generated += 1
             atoms = guide.atoms(state)
             if table.is_novel(atoms):
-                rule = guide.fired(before, guide.values(state))
+                rule = guide.fired(query.before, guide.values(state))
                 candidates.append((rule is None, len(candidates), action, state, atoms, rule))
         candidates.sort(key=lambda candidate: candidate[:2])
         for _, _, action, state, atoms, rule in candidates:

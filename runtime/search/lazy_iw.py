@@ -19,11 +19,9 @@ from collections import defaultdict, deque
 from collections.abc import Hashable, Iterator
 from dataclasses import dataclass, field
 
-from runtime.search.guide import Guide, Values
-from runtime.search.iw import Effort
-from runtime.search.limits import Limits
 from runtime.search.novelty import new_tuples
-from runtime.search.problem import Action, Motion, State, Subproblem
+from runtime.search.problem import Action, Motion, State
+from runtime.search.query import Query
 
 
 @dataclass(eq=False)
@@ -53,31 +51,23 @@ class LazyNode:
 
 
 class LazyIW:
-    """One IW(k) search for a subgoal of `start`; `run` may find none."""
+    """One IW(k) search for a subgoal; `run` may find none."""
 
-    def __init__(
-        self,
-        guide: Guide,
-        subproblem: Subproblem,
-        start: State,
-        before: Values,
-        k: int,
-        limits: Limits,
-        effort: Effort,
-    ) -> None:
-        self.guide = guide
-        self.subproblem = subproblem
-        self.before = before
-        self.k = k
-        self.limits = limits
-        self.effort = effort
+    def __init__(self, query: Query) -> None:
+        self.guide = query.guide
+        self.subproblem = query.subproblem
+        self.before = query.before
+        self.k = query.k
+        self.limits = query.limits
+        self.effort = query.effort
+        start = query.start
         self.supporters: defaultdict[Hashable, list[LazyNode]] = defaultdict(list)
         self.queue: list[tuple[int, int, LazyNode]] = []
         # Subgoals that hang together with the root and have not been validated yet.
         self.candidates: deque[LazyNode] = deque()
         self.pushed = 0
         # What is true at the root is never new: the root cannot be cut off.
-        self.known = frozenset(guide.atoms(start))
+        self.known = frozenset(self.guide.atoms(start))
         self.root = LazyNode(start, ())
         self.nodes: dict[State, LazyNode] = {start: self.root}
         self._push(self.root)

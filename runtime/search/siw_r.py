@@ -11,14 +11,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 
 from runtime.search.guide import Guide, Subgoal, Values
-from runtime.search.iw import Effort, iw
+from runtime.search.iw import iw
 from runtime.search.lazy_iw import LazyIW
 from runtime.search.limits import Limits, OutOfTimeError
-from runtime.search.problem import Action, Motion, SearchProblem, State, Subproblem
+from runtime.search.problem import Action, Motion, SearchProblem, State
+from runtime.search.query import Effort, Query
 from sketchlang.compile import CompiledSketch
 
 
@@ -45,60 +47,22 @@ Progress = Callable[[Subgoal, float], None]
 Step = tuple[Action, Motion, State]
 """An action, its motion and the state after it."""
 
-Search = Callable[
-    [Guide, Subproblem, State, Values, int, Limits, Effort], "tuple[list[Step], str] | None"
-]
+Search = Callable[[Query], "tuple[list[Step], str] | None"]
 """Looks for a subgoal of a state: the steps to it and the rule that it satisfies."""
 
 
-def siw_r(
-    sketch: CompiledSketch,
-    problem: SearchProblem,
-    limits: Limits,
-    rng: np.random.Generator,
-    progress: Progress | None = None,
-) -> Outcome:
-    """SIW_R: every edge of every search is validated before the search goes on."""
-    return serialize(_eager, sketch, problem, limits, rng, progress)
-
-
-def lazy_siiw_r(
-    sketch: CompiledSketch,
-    problem: SearchProblem,
-    limits: Limits,
-    rng: np.random.Generator,
-    progress: Progress | None = None,
-) -> Outcome:
-    """Lazy-SIIW_R: only the actions of potential subplans are validated."""
-    return serialize(_lazy, sketch, problem, limits, rng, progress)
-
-
-def _eager(
-    guide: Guide,
-    subproblem: Subproblem,
-    start: State,
-    before: Values,
-    k: int,
-    limits: Limits,
-    effort: Effort,
-) -> tuple[list[Step], str] | None:
-    found = iw(guide, subproblem, start, before, k, limits, effort)
+def eager(query: Query) -> tuple[list[Step], str] | None:
+    """The search of SIW_R: every edge is validated before the search goes on."""
+    found = iw(query)
     if found is None:
         return None
     node, rule = found
     return [(n.action, n.motion, n.state) for n in node.path()], rule
 
 
-def _lazy(
-    guide: Guide,
-    subproblem: Subproblem,
-    start: State,
-    before: Values,
-    k: int,
-    limits: Limits,
-    effort: Effort,
-) -> tuple[list[Step], str] | None:
-    found = LazyIW(guide, subproblem, start, before, k, limits, effort).run()
+def lazy(query: Query) -> tuple[list[Step], str] | None:
+    """The search of Lazy-SIIW_R: only the actions of potential subplans are validated."""
+    found = LazyIW(query).run()
     if found is None:
         return None
     path, rule = found
@@ -124,7 +88,9 @@ def serialize(
             if guide.is_goal(values):
                 outcome.solved = True
                 return outcome
-            subgoal = _subgoal(search, guide, problem, outcome, values, limits, rng)
+            subgoal = find_subgoal(
+                search, guide, problem, outcome.state, limits, rng, outcome.effort
+            )
             if subgoal is None:
                 outcome.stuck = values
                 outcome.reason = _why(guide, values)
@@ -144,31 +110,38 @@ def serialize(
 
 def schedule(limits: Limits) -> Iterator[tuple[int, int]]:
     """(attempt, k) in the order in which a subproblem is tried: IW(1) on samples of growing
-    density first, then the wider searches."""
-    for k in range(1, limits.k_max + 1):
-        for attempt in range(limits.attempts if k == 1 else 1):
-            yield attempt, k
+    density first, then the wider searches, which grow faster, on samples of middling density."""
+    for attempt in range(limits.attempts):
+        yield attempt, 1
+    for k in range(2, limits.k_max + 1):
+        yield limits.attempts // 2, k
 
 
-def _subgoal(
+def find_subgoal(
     search: Search,
     guide: Guide,
     problem: SearchProblem,
-    outcome: Outcome,
-    values: Values,
+    state: State,
     limits: Limits,
     rng: np.random.Generator,
+    effort: Effort,
 ) -> Subgoal | None:
+    """One round: a subplan from a state to a subgoal, or None. Nodes are added to `effort`.
+
+    Raises:
+        OutOfTimeError: when the limits say so.
+    """
+    values = guide.values(state)
     before = problem.profile_dict()
     for attempt, k in schedule(limits):
         limits.check()
-        subproblem = problem.subproblem(outcome.state, attempt, rng)
-        effort = Effort()
+        subproblem = problem.subproblem(state, attempt, rng)
+        query = Query(guide, subproblem, state, values, k, limits)
         try:
-            found = search(guide, subproblem, outcome.state, values, k, limits, effort)
+            found = search(query)
         finally:
-            outcome.effort.expanded += effort.expanded
-            outcome.effort.generated += effort.generated
+            effort.expanded += query.effort.expanded
+            effort.generated += query.effort.generated
         if found is not None:
             steps, rule = found
             return Subgoal(
@@ -180,8 +153,8 @@ def _subgoal(
                 states=tuple(state for _, _, state in steps),
                 attempt=attempt,
                 width=k,
-                expanded=effort.expanded,
-                generated=effort.generated,
+                expanded=query.effort.expanded,
+                generated=query.effort.generated,
                 rejected=_rejected(before, problem.profile_dict()),
             )
     return None
@@ -201,3 +174,7 @@ def _why(guide: Guide, values: Values) -> str:
     if not rules:
         return "no rule of the sketch applies here, and no goal state was found"
     return f"no subgoal of {' or '.join(rules)} was found"
+
+
+siw_r = partial(serialize, eager)
+lazy_siiw_r = partial(serialize, lazy)

@@ -201,14 +201,9 @@ class _Maker:
         marks = self.now + timed.times
         match timed.piece:
             case BaseMove(poses):
-                self._follow(self.base, poses, marks, self._base_ramp, where)
+                self._drive(poses, marks, where)
             case ArmMove(path, _):
-                if path.shape[1] != len(self.robot.joints):
-                    raise self._fail(
-                        f"{where}.path",
-                        f"{path.shape[1]} joint values for {len(self.robot.joints)} joints",
-                    )
-                self._follow(self.joints, path, marks, self._arm_ramp, where)
+                self._reach(path, marks, where)
             case GripperMove() as piece:
                 # Bounded acceleration, which the plan does not prescribe: half up, half down.
                 self.opening.line(marks[0], marks[-1], np.array([piece.opening]), 0.5)
@@ -216,29 +211,19 @@ class _Maker:
                 self._grip(piece, action, start, where)
         self.now = float(marks[-1])
 
-    def _follow(
-        self, track: TrackBuilder, path: Floats, marks: Floats, ramp: object, where: str
-    ) -> None:
-        jump = np.abs(path[0] - track.value)
-        if track is self.base:
-            jump[2] = abs(wrap(jump[2]))
+    def _join(self, jump: Floats, where: str) -> None:
         if jump.max() > JOIN:
             raise self._fail(where, f"starts {jump.max():.4f} (m or rad) from where the robot is")
-        if track is self.base:
-            # Headings are not wrapped within a piece; from piece to piece they may be.
-            turns = round((track.value[2] - path[0, 2]) / (2 * math.pi))
-            path = path + np.array([0.0, 0.0, 2 * math.pi * turns])
-        for i in range(1, len(path)):
-            share = ramp(path[i - 1], path[i])  # type: ignore[operator]
-            track.line(float(marks[i - 1]), float(marks[i]), path[i], share)
 
-    def _arm_ramp(self, a: Floats, b: Floats) -> float:
-        step = np.abs(b - a)
-        moving = step > 1e-12
-        if not moving.any():
-            return 0.5
-        velocity = float((self.model.velocity[moving] / step[moving]).min())
-        return _ramp(1.0, velocity, float((self.model.acceleration[moving] / step[moving]).min()))
+    def _drive(self, poses: Floats, marks: Floats, where: str) -> None:
+        off = poses[0] - self.base.value
+        self._join(np.abs([off[0], off[1], wrap(off[2])]), where)
+        # Headings are not wrapped within a piece; from piece to piece they may be.
+        turns = round(-off[2] / (2 * math.pi))
+        poses = poses + np.array([0.0, 0.0, 2 * math.pi * turns])
+        for i in range(1, len(poses)):
+            ramp = self._base_ramp(poses[i - 1], poses[i])
+            self.base.line(float(marks[i - 1]), float(marks[i]), poses[i], ramp)
 
     def _base_ramp(self, a: Floats, b: Floats) -> float:
         base = self.model.base
@@ -246,6 +231,15 @@ class _Maker:
         if distance > turn:
             return _ramp(distance, base.velocity, base.acceleration)
         return _ramp(turn, base.angular_velocity, base.angular_acceleration)
+
+    def _reach(self, path: Floats, marks: Floats, where: str) -> None:
+        if path.shape[1] != len(self.robot.joints):
+            raise self._fail(
+                f"{where}.path",
+                f"{path.shape[1]} joint values for {len(self.robot.joints)} joints",
+            )
+        self._join(np.abs(path[0] - self.joints.value), where)
+        self.joints.through(path, marks)
 
     def _grip(self, piece: GripperMove, action: PlanAction, start: float, where: str) -> None:
         if piece.attach is None and piece.release is None:

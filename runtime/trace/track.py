@@ -79,6 +79,19 @@ class TrackBuilder:
             self._knot(end - ramp * span, goal - climbed * step, speed)
         self._knot(end, goal, np.zeros_like(goal))
 
+    def through(self, path: Floats, times: Floats) -> None:
+        """Go through values (k, n) at times (k,), from rest to rest. Where the knots lie dense,
+        as those of timed arm paths do, the parabola through each three gives the velocity."""
+        keep = np.concatenate([[True], np.diff(times) > 1e-9])
+        path, times = path[keep], times[keep]
+        if len(times) < 2:
+            return
+        self.rest(float(times[0]))
+        velocities = np.gradient(path, times, axis=0)
+        velocities[0] = velocities[-1] = 0.0
+        for time, value, velocity in zip(times[1:], path[1:], velocities[1:], strict=True):
+            self._knot(float(time), value, velocity)
+
     def _knot(self, time: float, value: Floats, velocity: Floats) -> None:
         if time <= self.times[-1] + 1e-9:
             return

@@ -229,7 +229,9 @@ class _Checker:
                 )
             )
         relations = Relations(reader.features, rules, places, reader.faulty, self.report)
-        relations.check(goal, invariants)
+        wanted = self.declarations.goal
+        place = None if wanted is None else wanted.label(wanted.item.block.span)
+        relations.check(goal, place, invariants)
 
     def _unused(self) -> None:
         declarations = self.declarations

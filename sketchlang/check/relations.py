@@ -83,8 +83,15 @@ class Relations:
             for rule in rules
         ]
 
-    def check(self, goal: Mapping[int, bool] | None, invariants: Sequence[Invariant]) -> None:
-        """All checks, rule by rule."""
+    def check(
+        self,
+        goal: Mapping[int, bool] | None,
+        goal_place: Label | None,
+        invariants: Sequence[Invariant],
+    ) -> None:
+        """All checks: the goal, then rule by rule."""
+        if goal is not None and goal_place is not None:
+            self._goal_against(goal, goal_place, invariants)
         sensible = [
             number
             for number, rule in enumerate(self.rules)
@@ -148,6 +155,18 @@ class Relations:
                 f"rule `{rule.name}` is for goal states only, where nothing is left to do",
                 Label(place.source, place.name),
             )
+
+    def _goal_against(
+        self, goal: Mapping[int, bool], place: Label, invariants: Sequence[Invariant]
+    ) -> None:
+        for invariant in invariants:
+            if not satisfiable(invariant.formula, goal):
+                self.report.add(
+                    "goal-against-invariant",
+                    f"the goal can never hold: `{invariant.text}` excludes it",
+                    place,
+                )
+                return
 
     def _against(self, number: int, invariants: Sequence[Invariant]) -> None:
         rule, place = self.rules[number], self.places[number]

@@ -11,6 +11,7 @@ WARNINGS = frozenset(
         "always-false",
         "always-true",
         "copied-rule",
+        "goal-against-invariant",
         "goal-rule",
         "no-goal",
         "no-rules",

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import errno
 import importlib
 import sys
+from typing import Any
 
 import click
 
@@ -22,8 +24,15 @@ COMMANDS = {
     "validate": "Certify a plan file with exact geometry.",
     "execute": "Execute a plan under physics, open loop or closed loop.",
     "replay": "Show a plan: a page for the browser, pictures, a film.",
+    "export": "Write trajectories for ROS 2, a bag, a 3D model.",
     "bench": "Run a benchmark suite and print its tables.",
 }
+
+INTERRUPTED = 130
+"""Exit status after Ctrl-C, as shells have it."""
+
+FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
+"""What a device says that takes no more output."""
 
 
 class LazyGroup(click.Group):
@@ -42,6 +51,34 @@ class LazyGroup(click.Group):
         command: click.Command = module.command
         return command
 
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        try:
+            return super().resolve_command(ctx, args)
+        except click.UsageError as error:
+            from sketchlang.suggest import did_you_mean
+
+            hint = did_you_mean(args[0], COMMANDS)
+            # Newer versions of click have a hint of their own.
+            if hint and "Did you mean" not in error.message:
+                error.message += f" {hint}"
+            raise
+
+    def invoke(self, ctx: click.Context) -> Any:
+        # Not left to click, whose exit status for Ctrl-C is 1: that is a verdict here.
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt:
+            click.echo("interrupted", err=True)
+            ctx.exit(INTERRUPTED)
+        except OSError as error:
+            # Commands tell of their files themselves. What is left is standard output.
+            if error.errno not in FULL:
+                raise
+            click.echo(f"error: output cannot be written: {error.strerror or error}", err=True)
+            ctx.exit(2)
+
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         with formatter.section("Commands"):
             formatter.write_dl(list(COMMANDS.items()))
@@ -59,4 +96,4 @@ def main() -> None:
         cli(prog_name="sketchlang")
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
-        raise SystemExit(130) from None
+        raise SystemExit(INTERRUPTED) from None

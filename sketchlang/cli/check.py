@@ -60,6 +60,12 @@ def command(files: tuple[str, ...], domain_file: str | None, format_: str) -> No
 
     FILE is a path, the name of a built-in sketch, or - for standard input. Exit 0 if there
     are no errors, 1 if there are, 2 if a file cannot be read.
+
+    \b
+    Examples:
+      sketchlang check pick_and_place
+      sketchlang check my.sketch --domain my_domain.py
+      sketchlang check *.sketch --format json
     """
     unreadable = False
     found: list[Diagnostic] = []

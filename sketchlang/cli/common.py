@@ -11,6 +11,7 @@ from typing import NoReturn, ParamSpec, TypeVar
 
 import click
 
+from sketchlang.cli import INTERRUPTED
 from sketchlang.diagnostics import Label
 from sketchlang.loader import Loaded, LoadError, load_sketch
 from sketchlang.model import Rule
@@ -19,9 +20,6 @@ from sketchlang.syntax import tree
 
 P = ParamSpec("P")
 R = TypeVar("R")
-
-INTERRUPTED = 130
-"""Exit status after Ctrl-C, as shells have it."""
 
 DEEP = 20_000
 """Calls within calls that proofs with very many steps may need."""
@@ -78,6 +76,16 @@ def load_valid(file: str, domain_file: str | None = None) -> Loaded:
         click.echo(console.summary(loaded.diagnostics, [loaded.source.name]), err=True)
         sys.exit(2)
     return loaded
+
+
+def look_ahead(path: str) -> None:
+    """Ends the command if a file cannot be written for want of its folder: before hours of
+    work and not after them."""
+    target = Path(path)
+    if not target.parent.is_dir():
+        fail(f"{path}: there is no folder {str(target.parent)!r}")
+    if target.is_dir():
+        fail(f"{path}: is a directory")
 
 
 def write_file(path: str, text: str) -> None:

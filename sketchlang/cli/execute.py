@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NoReturn
 
 import click
 
-from sketchlang.cli.common import fail, interruptible, trace_options
+from sketchlang.cli.common import fail, interruptible, load_valid
 
 if TYPE_CHECKING:
     from runtime.execution.execute import Report
+
+# Those of `runtime.execution.disturb`, which is imported only where it is needed.
+DISTURBANCES = ("none", "pushed", "failed-grasp", "dropped", "obstacle", "noise")
 
 
 @click.command(
@@ -20,9 +23,29 @@ Examples:
   sketchlang execute plan.json
   sketchlang execute plan.json --gui
   sketchlang execute plan.json --json --trace executed.json
+  sketchlang execute pick_and_place sorting/4t-07 --closed-loop --disturbance pushed --seed 3
 """
 )
-@trace_options
+@click.argument("file")
+@click.argument("scene_argument", metavar="[SCENE]", required=False)
+@click.option("--scene", help="The scene, where a plan does not name a built-in one.")
+@click.option("--robot", help="The robot, where a plan does not name a built-in one.")
+@click.option("--sketch", help="The sketch, where a plan does not name a built-in one.")
+@click.option("--closed-loop", is_flag=True, help="FILE is a sketch: sense and plan as it goes.")
+@click.option(
+    "--disturbance",
+    type=click.Choice(DISTURBANCES),
+    default="none",
+    show_default=True,
+    help="What goes wrong in the closed loop.",
+)
+@click.option(
+    "--seed",
+    type=click.IntRange(min=0),
+    default=0,
+    show_default=True,
+    help="Of the closed loop: same seed, same disturbances, same plans.",
+)
 @click.option("--gui", is_flag=True, help="Watch it in PyBullet's window.")
 @click.option(
     "--trace",
@@ -32,37 +55,50 @@ Examples:
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else.")
 @interruptible
 def command(
-    file: Path,
+    file: str,
+    scene_argument: str | None,
     scene: str | None,
     robot: str | None,
     sketch: str | None,
+    closed_loop: bool,
+    disturbance: str,
+    seed: int,
     gui: bool,
     trace: Path | None,
     as_json: bool,
 ) -> None:
-    """Execute FILE, a plan or a trace, under physics (PyBullet).
+    """Execute FILE under physics (PyBullet).
 
-    Reports how well the motors track, what slips, and where every object ends.
+    FILE is a plan or a trace. Reports how well the motors track, what slips, and where every
+    object ends. With --closed-loop it is a sketch, to be executed in SCENE: sense, plan one
+    subgoal, carry it out, and again, whatever --disturbance does meanwhile.
 
-    Exit 0: goal reached, every object within 1 cm of its planned pose. 1: not. 2: bad input.
+    Exit 0: goal reached, and every object within 1 cm of its planned pose, where there is a
+    plan. 1: not. 2: bad input.
     """
     from runtime.errors import InputError
 
+    if closed_loop:
+        if scene_argument is None:
+            fail("--closed-loop wants a sketch and a scene: sketchlang execute SKETCH SCENE")
+        _closed(file, scene_argument, robot, disturbance, seed, gui, trace, as_json)
+    if scene_argument is not None or disturbance != "none" or seed:
+        fail("a plan is executed as it is: SCENE, --disturbance and --seed need --closed-loop")
     try:
         from runtime.execution.execute import execute, to_json
         from runtime.trace.load import load_trace
         from runtime.trace.write import write_trace
 
-        planned = load_trace(file, scene, robot, sketch)
+        planned = load_trace(Path(file), scene, robot, sketch)
         report, happened = execute(planned, gui)
         if trace is not None:
             write_trace(happened, trace)
     except InputError as error:
         fail(str(error))
     if as_json:
-        click.echo(json.dumps({"plan": str(file)} | to_json(report, planned)))
+        click.echo(json.dumps({"plan": file} | to_json(report, planned)))
     else:
-        for line in summary(report, str(file)):
+        for line in summary(report, file):
             click.echo(line)
         if trace is not None:
             click.echo(f"trace written to {trace}")
@@ -80,7 +116,8 @@ def summary(report: Report, name: str) -> list[str]:
         f"{report.duration:.0f} s",
         f"  largest error      {1000 * farthest.error:.1f} mm ({farthest.object})",
         f"  tracking, largest  base {1000 * max(tracking.largest[:2]):.1f} mm "
-        f"{1000 * tracking.largest[2]:.1f} mrad, joints {1000 * max(tracking.largest[3:]):.1f} mrad",
+        f"{1000 * tracking.largest[2]:.1f} mrad, "
+        f"joints {1000 * max(tracking.largest[3:]):.1f} mrad",
     ]
     lines += [f"  missing: {message}" for message in report.unmet]
     lines += [f"  {pose.object} has fallen" for pose in report.objects if pose.lean > 0.2]
@@ -89,3 +126,73 @@ def summary(report: Report, name: str) -> list[str]:
         lines.append(f"  slip at {slip.time:.1f} s: {slip.object}, {slip.what}{moved}")
     lines += [f"  touch at {t.time:.1f} s: {t.link}, {t.thing}" for t in report.touches]
     return lines
+
+
+def _closed(
+    sketch: str,
+    scene: str,
+    robot: str | None,
+    disturbance: str,
+    seed: int,
+    gui: bool,
+    trace: Path | None,
+    as_json: bool,
+) -> NoReturn:
+    """Execute a sketch closed loop, print the verdict, and end."""
+    from runtime.errors import InputError
+    from sketchlang.compile import EvaluationError, compile_sketch, obstacles
+
+    loaded = load_valid(sketch)
+    for obstacle in obstacles(loaded.checked):
+        fail(obstacle.message)
+    if loaded.checked.domain is None or loaded.checked.domain.name != "tabletop":
+        fail("only sketches of the domain tabletop can be executed")
+    try:
+        from runtime.execution.closed_loop import ClosedLoop
+        from runtime.robot.load import built_in_robots, load_robot
+        from runtime.scene.library import find_scene
+        from runtime.scene.load import load_scene
+        from runtime.trace.sketch import trace_sketch
+        from runtime.trace.write import write_trace
+
+        path, name = find_scene(scene)
+        loop = ClosedLoop(
+            compile_sketch(loaded.checked),
+            trace_sketch(loaded),
+            load_scene(path, name),
+            load_robot(robot or built_in_robots()[0]),
+            seed,
+            disturbance,
+            gui,
+        )
+        verdict, happened = loop.run()
+        if trace is not None and happened is not None:
+            write_trace(happened, trace)
+    except InputError as error:
+        fail(str(error))
+    except EvaluationError as error:
+        fail(f"the sketch cannot be evaluated: {error}")
+    events = () if happened is None else happened.events
+    if as_json:
+        report = {
+            "sketch": loaded.checked.model.name,
+            "scene": name,
+            "disturbance": disturbance,
+            "seed": seed,
+            "goal_reached": verdict.goal_reached,
+            "reason": verdict.reason,
+            "subplans": verdict.subplans,
+            "broken_off": verdict.broken_off,
+            "duration_s": round(verdict.duration, 3),
+            "events": [{"time": round(e.time, 3), "kind": e.kind, "text": e.text} for e in events],
+        }
+        click.echo(json.dumps(report))
+    else:
+        for event in events:
+            click.echo(f"{event.time:8.1f} s  {event.kind:<12} {event.text}")
+        click.echo(
+            f"{'goal reached' if verdict.goal_reached else verdict.reason}: "
+            f"{verdict.subplans} subplans, {verdict.broken_off} broken off, "
+            f"{len(verdict.touches)} touches, {verdict.duration:.0f} s"
+        )
+    raise SystemExit(0 if verdict.goal_reached else 1)

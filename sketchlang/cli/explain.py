@@ -14,6 +14,11 @@ def command(code: str | None) -> None:
     """Print the page of a diagnostic: what it means, why it matters, what to do.
 
     Without CODE, list all of them. Exit 0, or 2 if there is no such code.
+
+    \b
+    Examples:
+      sketchlang explain
+      sketchlang explain uncovered
     """
     known = pages()
     if code is None:

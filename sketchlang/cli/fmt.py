@@ -24,6 +24,12 @@ def command(files: tuple[str, ...], check: bool, diff: bool) -> None:
     FILE is a path, a directory with sketches, or - to format standard input to standard
     output. Exit 0, 1 if --check or --diff found something to change, 2 if a file cannot be
     read or has syntax errors.
+
+    \b
+    Examples:
+      sketchlang fmt my.sketch
+      sketchlang fmt --check --diff sketches/
+      sketchlang fmt - < my.sketch
     """
     outcomes = {_format(name, check, diff) for name in _expand(files)}
     if "failed" in outcomes:
@@ -94,4 +100,6 @@ def _diff(source: Source, formatted: str) -> str:
         source.name,
         f"{source.name} (formatted)",
     )
-    return "".join(line if line.endswith("\n") else line + "\n" for line in lines)
+    return "".join(
+        line if line.endswith("\n") else f"{line}\n\\ No newline at end of file\n" for line in lines
+    )

@@ -6,7 +6,14 @@ from pathlib import Path
 
 import click
 
-from sketchlang.cli.common import domain_option, fail, interruptible, load_valid, write_file
+from sketchlang.cli.common import (
+    domain_option,
+    fail,
+    interruptible,
+    load_valid,
+    look_ahead,
+    write_file,
+)
 
 SUFFIXES = {".svg": "svg", ".dot": "dot", ".gv": "dot", ".mmd": "mermaid", ".mermaid": "mermaid"}
 
@@ -56,6 +63,8 @@ def command(
         format_ = SUFFIXES.get(Path(out).suffix.lower()) if out else "dot"
         if format_ is None:
             fail(f"{out}: no format has this suffix; add --format svg, dot or mermaid")
+    if out is not None:
+        look_ahead(out)
     verdict = decide_termination(model)
     writers = {"svg": svg.write, "dot": dot.write, "mermaid": mermaid.write}
     try:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import keyword
 import re
+import sys
 from importlib.resources import files
 from pathlib import Path
 
@@ -24,7 +25,12 @@ FILES = {
 
 @click.group("new")
 def command() -> None:
-    """Write files to start from."""
+    """Write files to start from.
+
+    \b
+    Example:
+      sketchlang new domain hanoi
+    """
 
 
 @command.command("domain")
@@ -38,6 +44,11 @@ def domain(name: str, into: Path | None) -> None:
     """Write a working domain: typed functions, a sketch, a scene, a test and a README.
 
     Exit 0, or 2 if NAME cannot be the name of a domain or the folder exists.
+
+    \b
+    Examples:
+      sketchlang new domain hanoi
+      sketchlang new domain hanoi --into domains/hanoi
     """
     problem = _why_not(name)
     folder = into or Path(name)
@@ -68,6 +79,9 @@ def _why_not(name: str) -> str | None:
         return f"{name!r} is no name for a domain: use small letters, digits and _"
     if name in WORDS or keyword.iskeyword(name) or name == "sketchlang":
         return f"{name!r} is a reserved word"
+    if name in sys.stdlib_module_names:
+        # Its file would stand in the way of Python's own one.
+        return f"{name!r} is a module of Python"
     if name in domain_names():
         return f"there is a domain {name!r} already"
     return None

@@ -14,6 +14,7 @@ from sketchlang.cli.common import (
     domain_option,
     interruptible,
     load_valid,
+    look_ahead,
     write_file,
 )
 
@@ -58,6 +59,8 @@ def command(
       sketchlang terminate my.sketch --json --time-limit 10
     """
     loaded = load_valid(file, domain_file)
+    if certificate is not None:
+        look_ahead(certificate)
     from sketchlang.analysis import report
     from sketchlang.analysis.limits import Budget
     from sketchlang.analysis.termination import Terminating, decide_termination

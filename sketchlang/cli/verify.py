@@ -63,4 +63,7 @@ def _reason(data: bytes, model: SketchModel) -> str | None:
         return f"it is not JSON, see line {error.lineno}, column {error.colno}: {error.msg}"
     except RecursionError:
         return "it is nested too deeply"
+    except ValueError:
+        # Python reads no number of more than 4300 digits.
+        return "it contains a number that is too long"
     return None

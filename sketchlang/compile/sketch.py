@@ -80,8 +80,30 @@ def compile_sketch(checked: CheckedSketch) -> CompiledSketch:
                 run = _as_number(run)
             steps.append((layout.feature(index), run))
         evaluators.append(_evaluator(checked, layout, steps))
-    atoms = tuple(domain.atoms[name] for name in checked.atoms)
+    atoms = tuple(_guarded(domain.atoms[name], name) for name in checked.atoms)
     return CompiledSketch(checked.model, _alternating(*evaluators), atoms)
+
+
+def _guarded(
+    family: Callable[[Any], Iterable[Hashable]], name: str
+) -> Callable[[Any], tuple[Hashable, ...]]:
+    """A family of atoms that tells what is wrong with the domain's function."""
+
+    def atoms(state: Any) -> tuple[Hashable, ...]:
+        try:
+            found = tuple(family(state))
+            hash(found)
+        except Exception as error:
+            words = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
+            raise EvaluationError(
+                f"the atoms {name} cannot be listed: {words}",
+                expression=f"atoms {name}",
+                function=name,
+                state=state,
+            ) from error
+        return found
+
+    return atoms
 
 
 def _as_number(run: Run) -> Run:

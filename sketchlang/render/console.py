@@ -13,7 +13,8 @@ from sketchlang.render import full
 def wants_colour(stream: object) -> bool:
     """Colours are for terminals whose user did not ask for none (no-color.org)."""
     isatty = getattr(stream, "isatty", None)
-    return bool(isatty and isatty() and not os.environ.get("NO_COLOR"))
+    refused = os.environ.get("NO_COLOR") or os.environ.get("TERM") == "dumb"
+    return bool(isatty and isatty() and not refused)
 
 
 def write(text: str) -> None:
@@ -23,6 +24,8 @@ def write(text: str) -> None:
     except UnicodeEncodeError:
         encoding = sys.stdout.encoding or "ascii"
         sys.stdout.write(text.encode(encoding, errors="backslashreplace").decode(encoding))
+    # Here, and not when Python ends: what goes wrong can still be told.
+    sys.stdout.flush()
 
 
 def summary(diagnostics: Sequence[Diagnostic], files: Sequence[str]) -> str:

@@ -166,7 +166,7 @@ def explain(stuck: StuckError) -> Mistake:
             "items-on-one-line",
             f"{describe(token)} begins an item in the middle of a line",
             span,
-            "Begin every item on a line of its own.",
+            _bounded(stuck) or "Begin every item on a line of its own.",
         )
     code = MISTAKES.get((stuck.state, token.kind))
     if code is None:
@@ -202,9 +202,31 @@ def _expected(stuck: StuckError) -> str:
 
 
 def _foreign(stuck: StuckError) -> str | None:
-    """A word of another language, at the place or just before it."""
+    """A word or sign of another language, at the place or just before it."""
+    arrow = _foreign_arrow(stuck)
+    if arrow is not None:
+        return arrow
     for token in (stuck.token, stuck.previous):
         meant = FOREIGN.get(token.text) if token is not None else None
         if token is not None and meant:
             return f"Write `{meant}` for `{token.text}`."
+    return None
+
+
+def _foreign_arrow(stuck: StuckError) -> str | None:
+    """What to write for `=>` and `<->`, which are two signs here."""
+    before, token = stuck.previous, stuck.token
+    if before is None or before.end != token.start:
+        return None
+    if (before.kind, token.kind) == ("EQ", "GT"):
+        return "Write `->` for `=>`."
+    if (before.kind, token.kind) == ("LT", "_ARROW"):
+        return "Write an implication `->` for each direction."
+    return None
+
+
+def _bounded(stuck: StuckError) -> str | None:
+    """What to write for `feature n : nat bounded`."""
+    if stuck.token.text == "bounded" and not stuck.token.first:
+        return "Write `bounded` before `feature`, as in `bounded feature n : nat`."
     return None

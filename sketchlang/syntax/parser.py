@@ -141,7 +141,10 @@ _SIGN_HINTS = {
     "//": "Comments begin with `#`.",
     "/": "Put paths in quotes.",
     ".": "Put paths in quotes.",
-    "−": "There is no subtraction: values are never negative.",
+    "−": "There is no subtraction. `n--` is written with two hyphens.",
+    "–": "There is no subtraction. `n--` is written with two hyphens.",
+    "—": "There is no subtraction. `n--` is written with two hyphens.",
+    "⇒": "Write `->`.",
 }
 
 

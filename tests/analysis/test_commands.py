@@ -54,7 +54,7 @@ def test_verify_refuses(sketch: Path, tmp_path: Path) -> None:
     result = run("verify", proof, sketch)
     assert result.exit_code == 1
     assert "altered" in result.output
-    for text in ("", "no JSON", "[", "[" * 100_000, "3", '{"format": 1}', "\x00"):
+    for text in ("", "no JSON", "[", "[" * 100_000, "3", "1" * 5000, '{"format": 1}', "\x00"):
         proof.write_text(text)
         result = run("verify", proof, sketch)
         assert result.exit_code == 1
@@ -121,6 +121,15 @@ def test_files_that_cannot_be_written(sketch: Path, tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == [sketch]
 
 
+def test_a_folder_that_is_missing_is_told_before_the_work(tmp_path: Path) -> None:
+    path = tmp_path / "gray.sketch"
+    path.write_text(GRAY)  # takes far longer than a test
+    nowhere = tmp_path / "no" / "proof.json"
+    result = run("terminate", path, "--certificate", nowhere)
+    assert result.exit_code == 2
+    assert "there is no folder" in result.stderr
+
+
 def test_coverage(sketch: Path) -> None:
     sketch.write_text(PAPER)
     result = run("coverage", sketch)
@@ -183,13 +192,6 @@ def test_graph_of_a_large_sketch(sketch: Path) -> None:
     assert result.exit_code == 2
     assert "--view rules" in result.stderr
     assert run("graph", sketch, "--view", "rules").exit_code == 0
-
-
-@pytest.mark.parametrize("command", ["terminate", "verify", "coverage", "graph"])
-def test_help_has_an_example(command: str) -> None:
-    result = run(command, "--help")
-    assert result.exit_code == 0
-    assert f"  sketchlang {command} " in result.output
 
 
 @pytest.mark.skipif(os.name != "posix", reason="signals")

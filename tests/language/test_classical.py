@@ -187,6 +187,7 @@ def test_blocks_stay_towers(towers: list[str], choices: list[int]) -> None:
         ("delivery", "map = '''\nA A T\n'''", "'A' is twice"),
         ("delivery", "map = '''\nA .\n'''", "no target"),
         ("delivery", "map = '''\nA T ?\n'''", "'?' in the map"),
+        ("delivery", "map = '''\nA.T\n'''", "signs are set apart by blanks"),
         ("delivery", "map = ", "Invalid value"),
         ("delivery", "size = 3", "unknown key 'size'"),
         ("blocks", "towers = []", "there are no blocks"),

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner, Result
 
-from sketchlang.cli import cli
+from sketchlang.cli import COMMANDS, cli
 
 ROOT = Path(__file__).parents[2]
 GOOD = "sketch s\nfeature n : nat\ngoal { n = 0 }\nrule r { n > 0 } -> { n-- }\n"
@@ -152,9 +152,13 @@ def test_no_colour_without_a_terminal(here: Path, monkeypatch: pytest.MonkeyPatc
             return True
 
     monkeypatch.delenv("NO_COLOR", raising=False)
+    monkeypatch.setenv("TERM", "xterm")
     assert console.wants_colour(Terminal())
     assert not console.wants_colour(io.StringIO())
     monkeypatch.setenv("NO_COLOR", "1")
+    assert not console.wants_colour(Terminal())
+    monkeypatch.delenv("NO_COLOR")
+    monkeypatch.setenv("TERM", "dumb")
     assert not console.wants_colour(Terminal())
     assert sys.stdout is not None
 
@@ -170,3 +174,67 @@ def test_a_terminal_without_the_characters(here: Path) -> None:
     assert done.returncode == 1
     assert rb"gr\xf6\xdfe" in done.stdout
     assert done.stderr == b""
+
+
+@pytest.mark.parametrize("command", [*(name for name in COMMANDS if name != "new"), "new domain"])
+def test_help_has_an_example(command: str) -> None:
+    result = run(*command.split(), "--help")
+    assert result.exit_code == 0
+    assert f"  sketchlang {command}" in result.output.partition("Example")[2]
+
+
+def test_misspelt_commands() -> None:
+    result = run("chek", "pick_and_place")
+    assert result.exit_code == 2
+    assert result.stderr.count("Did you mean") == 1
+    assert "check" in result.stderr.partition("Did you mean")[2]
+
+
+def test_ctrl_c_is_no_verdict(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also while a command reads its input, and while it is being imported."""
+
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    for target in ("sketchlang.cli.check.load_source", "sketchlang.cli.importlib.import_module"):
+        monkeypatch.setattr(target, interrupt)
+        result = run("check", "pick_and_place")
+        assert result.exit_code == 130
+        assert result.stderr == "interrupted\n"
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is full")
+@pytest.mark.parametrize("command", ["check", "terminate", "coverage"])
+def test_output_that_cannot_be_written(command: str) -> None:
+    with open("/dev/full", "w", encoding="utf-8") as full:
+        done = subprocess.run(
+            [
+                sys.executable,
+                "-c",
+                "from sketchlang.cli import main; main()",
+                command,
+                "delivery_s5",
+            ],
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+            check=False,
+            cwd=ROOT,
+        )
+    assert done.returncode == 2
+    assert done.stderr.startswith("error: output cannot be written")
+    assert "Traceback" not in done.stderr
+
+
+def test_diff_shows_a_missing_line_end(here: Path) -> None:
+    (here / "s.sketch").write_text(NEAT.rstrip("\n"))
+    shown = run("fmt", "--diff", "s.sketch").stdout
+    assert shown.endswith(
+        "-rule r { n > 0 } -> { n-- }\n\\ No newline at end of file\n+rule r { n > 0 } -> { n-- }\n"
+    )
+
+
+def test_a_folder_is_no_domain_file(here: Path) -> None:
+    result = run("check", "pick_and_place", "--domain", ".")
+    assert result.exit_code == 2
+    assert "is a directory" in result.stderr

@@ -240,6 +240,24 @@ def test_atoms() -> None:
     assert [list(family(3)) for family in sketch.atoms] == [[("place", 3)]]
 
 
+@pytest.mark.parametrize(
+    ("result", "reason"),
+    [(3, "TypeError"), ([["place"]], "unhashable"), (map(int, ["x"]), "ValueError")],
+)
+def test_atoms_that_cannot_be_listed(result: Any, reason: str) -> None:
+    domain = Domain("atomic")
+
+    @domain.atom
+    def place(state: Any) -> Any:
+        return result
+
+    (family,) = compiled("use atomic\natoms place", domain).atoms
+    with pytest.raises(EvaluationError, match=reason) as caught:
+        family(3)
+    assert caught.value.function == "place"
+    assert caught.value.state == 3
+
+
 formulas: st.SearchStrategy[Formula] = st.recursive(
     st.builds(Literal, st.integers(0, 3), st.booleans()),
     lambda inner: (

@@ -61,7 +61,9 @@ def test_an_edit_that_does_not_fit_is_told(hanoi: Path) -> None:
     assert "`steps` is neither declared here nor a function in domain hanoi" in result.output
 
 
-@pytest.mark.parametrize("name", ["Hanoi", "2hanoi", "count", "class", "delivery", "a/b", "é"])
+@pytest.mark.parametrize(
+    "name", ["Hanoi", "2hanoi", "count", "class", "random", "delivery", "a/b", "é"]
+)
 def test_names_that_do_not_do(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     assert CliRunner().invoke(cli, ["new", "domain", name]).exit_code == 2

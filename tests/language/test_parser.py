@@ -127,3 +127,24 @@ def test_both_spellings() -> None:
 def test_words_of_other_languages() -> None:
     (found,) = parse(Source("t", "feature p : bool = exists x in s: f(x)"))[1]
     assert found.hint == "Write `some` for `exists`."
+
+
+@pytest.mark.parametrize(
+    ("text", "hint"),
+    [
+        ("invariant a => b", "Write `->` for `=>`."),
+        ("rule r { a } => { b }", "Write `rule NAME { CONDITIONS } -> { EFFECTS }`."),
+        ("rule r { a } ⇒ { b }", "Write `->`."),
+        ("invariant a <-> b", "Write an implication `->` for each direction."),
+        (
+            "rule r { n > 0 } -> { n– }",
+            "There is no subtraction. `n--` is written with two hyphens.",
+        ),
+        (
+            "feature n : nat bounded",
+            "Write `bounded` before `feature`, as in `bounded feature n : nat`.",
+        ),
+    ],
+)
+def test_signs_of_other_languages(text: str, hint: str) -> None:
+    assert parse(Source("t", text))[1][0].hint == hint

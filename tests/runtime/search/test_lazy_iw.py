@@ -10,9 +10,10 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from runtime.search.iw import Effort, iw
+from runtime.search.iw import iw
 from runtime.search.lazy_iw import LazyIW
 from runtime.search.limits import Limits
+from runtime.search.query import Query
 
 GOALS = "subgoal"
 
@@ -77,7 +78,7 @@ class Guide:
 
 def lazy(graph: Graph, own_atoms: bool, k: int = 1) -> Any:
     guide: Any = Guide(graph, own_atoms)
-    return LazyIW(guide, graph, 0, (0,), k, Limits(), Effort()).run()
+    return LazyIW(Query(guide, graph, 0, (0,), k, Limits())).run()
 
 
 @settings(max_examples=300)
@@ -87,7 +88,7 @@ def test_a_path_is_found_exactly_if_executable_edges_lead_to_a_subgoal(seed, siz
     found = lazy(graph, own_atoms=True)
     assert (found is not None) == bool(graph.reachable() & graph.goals)
     guide: Any = Guide(graph, True)
-    eager = iw(guide, graph, 0, (0,), 1, Limits(), Effort())
+    eager = iw(Query(guide, graph, 0, (0,), 1, Limits()))
     assert (eager is not None) == (found is not None)
 
 

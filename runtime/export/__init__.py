@@ -1,0 +1,1 @@
+"""Traces in the formats of others: ROS 2 messages and bags, GLB."""

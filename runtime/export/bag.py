@@ -1,0 +1,94 @@
+"""A ROS 2 bag of a trace: joint states, and the poses of base and objects as transforms."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from runtime.errors import InputError
+from runtime.export.messages import NANO
+from runtime.robot.model import Floats
+from runtime.trace.kinematics import Tree, links_at, object_at, pose_of
+from runtime.trace.model import WORLD, Trace
+
+RATE = 20.0
+"""Messages a second on each topic."""
+
+
+def write_bag(trace: Trace, path: Path) -> None:
+    """Write a bag, a folder that must not exist: `/joint_states` and `/tf`.
+
+    Raises:
+        InputError: it exists, or the package rosbags is missing.
+    """
+    try:
+        from rosbags.rosbag2 import Writer
+        from rosbags.typesys import Stores, get_typestore
+    except ImportError:
+        raise InputError("bags need the package rosbags", hint="install sketchlang[bag]") from None
+    if path.exists():
+        raise InputError("a bag is a new folder, and this exists", place=str(path))
+    if not path.parent.is_dir():
+        raise InputError(f"there is no folder {str(path.parent)!r}", place=str(path))
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    with Writer(path, version=8) as writer:
+        connections = {
+            topic: writer.add_connection(topic, kind, typestore=store)
+            for topic, kind in (
+                ("/joint_states", "sensor_msgs/msg/JointState"),
+                ("/tf", "tf2_msgs/msg/TFMessage"),
+            )
+        }
+        for time in _times(trace):
+            for topic, message in _messages(trace, store.types, time):
+                connection = connections[topic]
+                data = store.serialize_cdr(message, connection.msgtype)
+                writer.write(connection, round(time * NANO), data)
+
+
+def _times(trace: Trace) -> Floats:
+    return np.arange(0.0, trace.duration + 0.5 / RATE, 1 / RATE)
+
+
+def _messages(trace: Trace, types: Any, time: float) -> Iterator[tuple[str, Any]]:
+    total = round(time * NANO)
+    stamp = types["builtin_interfaces/msg/Time"](total // NANO, total % NANO)
+    header = types["std_msgs/msg/Header"]
+    now = np.array([time])
+    joints, speeds = (rows[0] for rows in trace.joints.at(now))
+    opening, widening = (rows[0] for rows in trace.opening.at(now))
+    fingers = trace.robot.fingers
+    yield (
+        "/joint_states",
+        types["sensor_msgs/msg/JointState"](
+            header(stamp, ""),
+            [*trace.robot.joints, *fingers],
+            np.concatenate([joints, np.repeat(opening / len(fingers), len(fingers))]),
+            np.concatenate([speeds, np.repeat(widening / len(fingers), len(fingers))]),
+            np.zeros(0),
+        ),
+    )
+    tree = Tree(trace.robot)
+    links = links_at(trace, tree, time)
+    frames = {trace.robot.urdf.root: pose_of(links[trace.robot.urdf.root])}
+    for index, thing in enumerate(trace.scene.objects):
+        frames[thing.name] = pose_of(object_at(trace, links, index, time))
+    vector, quaternion = types["geometry_msgs/msg/Vector3"], types["geometry_msgs/msg/Quaternion"]
+    transform = types["geometry_msgs/msg/Transform"]
+    stamped = types["geometry_msgs/msg/TransformStamped"]
+    yield (
+        "/tf",
+        types["tf2_msgs/msg/TFMessage"](
+            [
+                stamped(
+                    header(stamp, WORLD),
+                    name,
+                    transform(vector(*map(float, pose[:3])), quaternion(*map(float, pose[3:]))),
+                )
+                for name, pose in frames.items()
+            ]
+        ),
+    )

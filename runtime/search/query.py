@@ -1,0 +1,33 @@
+"""What one search for a subgoal is given, and what it takes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from runtime.search.guide import Guide, Values
+from runtime.search.limits import Limits
+from runtime.search.problem import State, Subproblem
+
+
+@dataclass
+class Effort:
+    """Nodes expanded and generated."""
+
+    expanded: int = 0
+    generated: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class Query:
+    """Find a subgoal of the state `start`, whose feature values are `before`, by IW(k).
+
+    `effort` is counted up as the search goes on, so that it is known after a time-out, too.
+    """
+
+    guide: Guide
+    subproblem: Subproblem
+    start: State
+    before: Values
+    k: int
+    limits: Limits
+    effort: Effort = field(default_factory=Effort)

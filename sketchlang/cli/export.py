@@ -1,0 +1,76 @@
+"""`sketchlang export PLAN`: trajectories for robots, models for others' tools."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import click
+
+from sketchlang.cli.common import fail, interruptible, trace_options
+
+
+@click.command(
+    epilog="""\b
+Examples:
+  sketchlang export plan.json --trajectory trajectory.yaml
+  sketchlang export plan.json --bag bag --glb scene.glb --at 20
+"""
+)
+@trace_options
+@click.option(
+    "--trajectory",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="Write ROS 2 JointTrajectory messages, as JSON, which is YAML.",
+)
+@click.option("--bag", type=click.Path(path_type=Path), help="Write a ROS 2 bag, a new folder.")
+@click.option("--glb", type=click.Path(path_type=Path, dir_okay=False), help="Write a 3D model.")
+@click.option(
+    "--at",
+    type=click.FloatRange(min=0),
+    default=0.0,
+    show_default=True,
+    metavar="S",
+    help="The time that the model shows.",
+)
+@interruptible
+def command(
+    file: Path,
+    scene: str | None,
+    robot: str | None,
+    sketch: str | None,
+    trajectory: Path | None,
+    bag: Path | None,
+    glb: Path | None,
+    at: float,
+) -> None:
+    """Write FILE, a plan or a trace, in formats of others.
+
+    Exit 0: written. 2: bad input.
+    """
+    from runtime.errors import InputError
+    from runtime.trace.load import load_trace
+
+    if trajectory is None and bag is None and glb is None:
+        fail("nothing to write: give --trajectory, --bag or --glb")
+    try:
+        trace = load_trace(file, scene, robot, sketch)
+        if trajectory is not None:
+            from runtime.export.messages import trajectories
+            from runtime.files import write_text
+
+            write_text(trajectory, json.dumps(trajectories(trace), indent=1) + "\n")
+            click.echo(f"trajectories written to {trajectory}")
+        if bag is not None:
+            from runtime.export.bag import write_bag
+
+            write_bag(trace, bag)
+            click.echo(f"bag written to {bag}")
+        if glb is not None:
+            from runtime.export.model import glb as model
+            from runtime.files import write_bytes
+
+            write_bytes(glb, model(trace, min(at, trace.duration)))
+            click.echo(f"model written to {glb}")
+    except InputError as error:
+        fail(str(error))
