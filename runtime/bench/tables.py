@@ -62,6 +62,20 @@ def profile_table(results: Iterable[Result]) -> list[str]:
     return lines
 
 
+def share_table(results: Sequence[Result]) -> list[str]:
+    """Where the planning time goes: the steps of X, and the rest (features, samples, search)."""
+    lines = ["| scene | planner | MotionPlan | InverseKinematics | rest |", "|---|---|---|---|---|"]
+    for (scene, planner), group in _groups(results):
+        total = sum(result["planning_time_s"] for result in group)
+        shares = [
+            sum(result["profile"].get(step, {}).get("time_s", 0.0) for result in group) / total
+            for step in ("motion_plan", "inverse_kinematics")
+        ]
+        cells = " | ".join(f"{100 * share:.0f} %" for share in [*shares, 1 - sum(shares)])
+        lines.append(f"| {scene} | {planner} | {cells} |")
+    return lines
+
+
 def ratio_lines(results: Sequence[Result]) -> list[str]:
     """How much longer SIW_R plans than Lazy-SIIW_R, scene by scene."""
     medians = {

@@ -60,10 +60,11 @@ class LazyGroup(click.Group):
             from sketchlang.suggest import did_you_mean
 
             hint = did_you_mean(args[0], COMMANDS)
+            message = error.format_message()
             # Newer versions of click have a hint of their own.
-            if hint and "Did you mean" not in error.message:
-                error.message += f" {hint}"
-            raise
+            if hint is None or "Did you mean" in message:
+                raise
+            raise click.UsageError(f"{message} {hint}", ctx) from None
 
     def invoke(self, ctx: click.Context) -> Any:
         # Not left to click, whose exit status for Ctrl-C is 1: that is a verdict here.

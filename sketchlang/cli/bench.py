@@ -69,7 +69,7 @@ def command(
         fail(str(error))
     chosen = [results[job] for job in wanted]
     parts = [tables.scaling_table(chosen)] if suite == "scaling" else [tables.main_table(chosen)]
-    parts += [tables.profile_table(chosen), tables.ratio_lines(chosen)]
+    parts += [tables.profile_table(chosen), tables.share_table(chosen), tables.ratio_lines(chosen)]
     click.echo("\n\n".join("\n".join(part) for part in parts if part))
     failed = [result for result in chosen if not (result["solved"] and result.get("valid"))]
     for result in failed:

@@ -22,6 +22,19 @@ Examples:
     "--html", type=click.Path(path_type=Path, dir_okay=False), help="Write a page for the browser."
 )
 @click.option(
+    "--png",
+    type=click.Path(path_type=Path, file_okay=False),
+    help="Write pictures into this folder: start, end, each subgoal.",
+)
+@click.option("--mp4", type=click.Path(path_type=Path, dir_okay=False), help="Write a film.")
+@click.option(
+    "--speed",
+    type=click.FloatRange(min=0, min_open=True),
+    default=8.0,
+    show_default=True,
+    help="Of the film, times real time.",
+)
+@click.option(
     "--trace", type=click.Path(path_type=Path, dir_okay=False), help="Write the trace itself."
 )
 @interruptible
@@ -31,6 +44,9 @@ def command(
     robot: str | None,
     sketch: str | None,
     html: Path | None,
+    png: Path | None,
+    mp4: Path | None,
+    speed: float,
     trace: Path | None,
 ) -> None:
     """Show FILE, a plan or a trace: a page for the browser, pictures, a film.
@@ -43,8 +59,8 @@ def command(
     from runtime.errors import InputError
     from runtime.trace.load import load_trace
 
-    if html is None and trace is None:
-        fail("nothing to write: give --html FILE or --trace FILE")
+    if html is None and png is None and mp4 is None and trace is None:
+        fail("nothing to write: give --html, --png, --mp4 or --trace")
     try:
         found = load_trace(file, scene, robot, sketch)
         if trace is not None:
@@ -57,5 +73,14 @@ def command(
 
             write_file(str(html), page(found))
             click.echo(f"replay written to {html}")
+        if png is not None:
+            from runtime.view.pictures import write_pictures
+
+            click.echo(f"{len(write_pictures(found, png))} pictures written to {png}")
+        if mp4 is not None:
+            from runtime.view.pictures import write_film
+
+            write_film(found, mp4, speed)
+            click.echo(f"film written to {mp4}")
     except InputError as error:
         fail(str(error))

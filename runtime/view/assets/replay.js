@@ -227,8 +227,8 @@
 
   document.title = `${trace.scene.name} · ${trace.sketch.name}`;
   $("title").textContent = document.title;
-  $("about").textContent = `${trace.source === "plan" ? "planned" : "executed under physics"} · `
-    + `${trace.planner}, seed ${trace.seed} · ${trace.subgoals.length} subgoals · ${clock(trace.duration)} min`;
+  $("about").textContent = `${trace.source === "plan" ? "planned" : "executed"} · `
+    + `${trace.planner}, seed ${trace.seed} · ${trace.subgoals.length} subgoals · ${clock(trace.duration)}`;
 
   // Values hold from where they were sensed to the end of the subgoal that changes them.
   const valuesAt = (t) => {

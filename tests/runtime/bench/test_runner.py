@@ -60,6 +60,11 @@ def test_tables_say_how_many_were_solved_and_certified() -> None:
     assert "50 %" in tables.profile_table(results)[-1]
 
 
+def test_shares_of_the_planning_time_add_up() -> None:
+    results = [json.loads(line(job(seed), 0.1)) for seed in range(3)]
+    assert tables.share_table(results)[-1].endswith("| 10 % | 0 % | 90 % |")
+
+
 def test_ratios_compare_the_planners_scene_by_scene() -> None:
     results = [json.loads(line(job(0, "lazy-siiw-r"), 1.0)), json.loads(line(job(0), 2.5))]
     assert "2.5 times" in tables.ratio_lines(results)[0]
