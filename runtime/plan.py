@@ -229,7 +229,10 @@ class _Reader:
 
     def plan(self, data: Any) -> Plan:
         if self.item(data, "format", str, "") != FORMAT:
-            raise self.fail("format", f"this is not a plan file ({FORMAT})")
+            hint = None
+            if data["format"] == "sketchlang-actions":
+                hint = "a plan of a classical domain has no motions to certify"
+            raise self.fail("format", f"this is not a plan file ({FORMAT})", hint)
         version = self.item(data, "version", int, "")
         if version != VERSION:
             age = "an older" if version < VERSION else "a newer"

@@ -15,6 +15,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from runtime.errors import InputError
 from runtime.files import write_text
 
 State = Any
@@ -88,7 +89,16 @@ class ClassicalSubproblem:
         self._successors = successors
 
     def actions(self, state: State) -> Iterable[tuple[Action, State]]:
-        found: Iterable[tuple[Action, State]] = self._successors(state)
+        try:
+            found = list(self._successors(state))
+            for pair in found:
+                _, _ = pair
+        except Exception as error:
+            raise InputError(
+                f"the domain's `successors` fails: {type(error).__name__}: {error}",
+                place=f"state {state!r}"[:200],
+                hint="it has to yield pairs of an action and the state after it",
+            ) from error
         return found
 
     def execute(self, state: State, action: Action) -> Motion | None:
@@ -167,8 +177,17 @@ class Certified:
 
 
 def searchable(problem: Any) -> SearchProblem:
-    """What a domain's scene loader made, as a problem that can be searched."""
+    """What a domain's scene loader made, as a problem that can be searched.
+
+    Raises:
+        InputError: it is neither a problem of this package nor one with successors.
+    """
     if hasattr(problem, "subproblem"):
         found: SearchProblem = problem
         return found
+    if not (hasattr(problem, "initial") and hasattr(problem, "successors")):
+        raise InputError(
+            f"the domain's scene loader returned {type(problem).__name__}",
+            hint="it has to return a problem with `initial` and `successors(state)`",
+        )
     return ClassicalProblem(problem)

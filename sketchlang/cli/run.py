@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import sys
 import time
 from pathlib import Path
@@ -71,6 +72,8 @@ def command(
     from sketchlang.compile import EvaluationError
     from sketchlang.domain import SceneError
 
+    if math.isnan(timeout):
+        fail("--timeout: not a number of seconds")
     loaded = load_valid(sketch, domain_file)
     try:
         report = _run(loaded, scene, planner, seed, timeout, k_max, robot, out, as_json)
@@ -115,9 +118,7 @@ def _run(
         raise InputError(f"there is no folder {str(out.parent)!r}", place=str(out))
     compiled = compile_sketch(checked)
     path, name = find_scene(scene)
-    problem = searchable(
-        checked.domain.load(str(path), {"seed": seed, "robot": robot, "name": name})
-    )
+    problem = searchable(_load(checked.domain, path, {"seed": seed, "robot": robot, "name": name}))
     planner = planner or DEFAULT
     say = Speaker(quiet=as_json)
     say(f"{compiled.model.name} on {name}, planner {planner}, seed {seed}")
@@ -143,6 +144,22 @@ def _run(
         if out is not None and outcome.solved:
             click.echo(f"plan written to {out}")
     return report
+
+
+def _load(domain: Any, path: Path, options: dict[str, object]) -> Any:
+    """The problem of a scene; what goes wrong in a domain's own code is said, not raised."""
+    from runtime.errors import InputError
+    from sketchlang.domain import SceneError
+
+    try:
+        return domain.load(str(path), options)
+    except (InputError, SceneError):
+        raise
+    except Exception as error:
+        raise InputError(
+            f"the scene loader of domain {domain.name} fails: {type(error).__name__}: {error}",
+            place=str(path),
+        ) from error
 
 
 class Speaker:

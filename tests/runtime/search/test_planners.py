@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from runtime.errors import InputError
 from runtime.scene.library import built_in_scenes, find_scene
 from runtime.search.guide import GOAL
 from runtime.search.limits import Limits
@@ -95,3 +96,23 @@ def find_sketch(name: str) -> str:
 
 def test_the_default_planner_is_one_of_them() -> None:
     assert DEFAULT in PLANNERS
+
+
+@pytest.mark.parametrize("answer", [[5], None, [("only one",)], RuntimeError("boom")])
+def test_successors_that_break_their_promise_are_named(answer) -> None:
+    class Broken:
+        initial = 0
+
+        def successors(self, state):
+            if isinstance(answer, Exception):
+                raise answer
+            return answer
+
+    subproblem = searchable(Broken()).subproblem(0, 0, np.random.default_rng(0))
+    with pytest.raises(InputError, match="successors"):
+        subproblem.actions(0)
+
+
+def test_a_loader_that_returns_nothing_is_named() -> None:
+    with pytest.raises(InputError, match="NoneType"):
+        searchable(None)
