@@ -101,21 +101,22 @@ def scaling_table(results: Sequence[Result]) -> list[str]:
     for (scene, _), group in _groups(results):
         solved = [result for result in group if result["solved"]]
         if not solved:
-            lines.append(f"| {_size(scene)} | | 0/{len(group)} | | | | |")
+            lines.append(f"| {size_of(scene)} | | 0/{len(group)} | | | | |")
             continue
         moved = median(result["objects_moved"] for result in solved)
         seconds = median(result["planning_time_s"] for result in solved)
         expanded = median(result["expanded"] for result in solved)
         lines.append(
-            f"| {_size(scene)} | {moved:.0f} | {len(solved)}/{len(group)} | {seconds:.2f} "
+            f"| {size_of(scene)} | {moved:.0f} | {len(solved)}/{len(group)} | {seconds:.2f} "
             f"| {1000 * seconds / moved:.0f} | {expanded / moved:.1f} "
             f"| {max(result['peak_mb'] for result in solved)} |"
         )
     return lines
 
 
-def _size(scene: str) -> str:
-    return scene.rsplit("/", 1)[-1].removesuffix(".toml").split("-")[1]
+def size_of(scene: str) -> int:
+    """The number of objects of a generated scene, from its name."""
+    return int(scene.rsplit("/", 1)[-1].removesuffix(".toml").split("-")[1])
 
 
 def _groups(results: Sequence[Result]) -> list[tuple[tuple[str, str], list[Result]]]:

@@ -12,6 +12,7 @@ import os
 import select
 import shutil
 import subprocess
+import sys
 import tempfile
 import time
 from pathlib import Path
@@ -37,6 +38,15 @@ FLAGS = (
     "--hide-scrollbars",
     "--remote-debugging-pipe",
 )
+LAUNCH = """
+import fcntl, os, sys
+pipes = [fcntl.fcntl(int(number), fcntl.F_DUPFD, 10) for number in sys.argv[1:3]]
+for number, pipe in enumerate(pipes, 3):
+    os.dup2(pipe, number)
+os.execv(sys.argv[3], sys.argv[3:])
+"""
+"""Moves its first two arguments, file descriptors, to 3 and 4, and becomes the browser."""
+
 PATIENCE = 60.0
 """Seconds that an answer may take; software rendering is slow."""
 
@@ -59,8 +69,7 @@ class Browser:
         self._profile = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
         to_browser, self._out = os.pipe()
         self._in, from_browser = os.pipe()
-        # The browser wants its pipes at 3 and 4, which a shell arranges without races.
-        command = ["sh", "-c", f'exec "$@" 3<&{to_browser} 4>&{from_browser}', "sh", program]
+        command = [sys.executable, "-S", "-c", LAUNCH, str(to_browser), str(from_browser), program]
         command += [*FLAGS, f"--user-data-dir={self._profile.name}"]
         command += [f"--window-size={width},{height}", "about:blank"]
         self._process = subprocess.Popen(

@@ -71,6 +71,13 @@ def command(
     parts = [tables.scaling_table(chosen)] if suite == "scaling" else [tables.main_table(chosen)]
     parts += [tables.profile_table(chosen), tables.share_table(chosen), tables.ratio_lines(chosen)]
     click.echo("\n\n".join("\n".join(part) for part in parts if part))
+    if suite == "scaling":
+        from runtime.bench.plot import scaling_plot
+        from runtime.files import write_text
+
+        picture = path.with_suffix(".svg")
+        write_text(picture, scaling_plot(chosen, [tables.size_of(r["scene"]) for r in chosen]))
+        click.echo(f"\nplot: {picture}")
     failed = [result for result in chosen if not (result["solved"] and result.get("valid"))]
     for result in failed:
         reason = result.get("reason") or "; ".join(result.get("findings", []))

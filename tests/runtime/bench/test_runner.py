@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict
+from xml.etree import ElementTree
 
 import pytest
 from click.testing import CliRunner
 
 from runtime.bench import runner, tables
+from runtime.bench.plot import scaling_plot
 from runtime.bench.runner import Job
 from runtime.bench.suites import jobs_of
 from runtime.errors import InputError
@@ -63,6 +65,14 @@ def test_tables_say_how_many_were_solved_and_certified() -> None:
 def test_shares_of_the_planning_time_add_up() -> None:
     results = [json.loads(line(job(seed), 0.1)) for seed in range(3)]
     assert tables.share_table(results)[-1].endswith("| 10 % | 0 % | 90 % |")
+
+
+def test_the_scaling_plot_is_a_picture_with_every_size() -> None:
+    results = [json.loads(line(job(seed), seed + 1.0)) for seed in range(3)]
+    picture = ElementTree.fromstring(scaling_plot(results, [10, 28, 200]))
+    texts = [element.text for element in picture.iter() if element.tag.endswith("text")]
+    assert {"10", "28", "200"} <= set(texts)
+    assert sum(element.tag.endswith("circle") for element in picture.iter()) == 6
 
 
 def test_ratios_compare_the_planners_scene_by_scene() -> None:
