@@ -69,7 +69,7 @@ class ClosedLoop:
         self.physics = Physics(scene, trace_robot(robot), gui)
         self.recorder = Recorder(self.physics)
         self.follower = Follower(self.physics, self.recorder)
-        self.disturber = Disturber(disturbance, seed, self.physics, self.recorder)
+        self.disturber = Disturber(disturbance, seed, self.follower)
         self.follower.grasp_fails = self.disturber.grasp_fails
         self.senses = Senses(self.physics, self.disturber)
         self.rng = np.random.default_rng(seed)

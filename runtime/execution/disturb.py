@@ -9,8 +9,7 @@ import math
 
 import numpy as np
 
-from runtime.execution.physics import Physics
-from runtime.execution.recorder import Recorder
+from runtime.execution.follow import Follower
 from runtime.scene.model import Scene
 from runtime.trace.model import Trace
 
@@ -43,8 +42,9 @@ NOISE = 0.003
 class Disturber:
     """Disturbs one execution."""
 
-    def __init__(self, kind: str, seed: int, physics: Physics, recorder: Recorder) -> None:
-        self.kind, self.physics, self.recorder = kind, physics, recorder
+    def __init__(self, kind: str, seed: int, follower: Follower) -> None:
+        self.kind, self.follower = kind, follower
+        self.physics, self.recorder = follower.physics, follower.recorder
         self.rng = np.random.default_rng([seed, KINDS.index(kind)])
         self.obstacles: list[tuple[str, tuple[float, float, float], float, float]] = []
         counts = {"pushed": PUSHES, "failed-grasp": FAILED_GRASPS, "dropped": DROPS, "obstacle": 1}
@@ -117,7 +117,7 @@ class Disturber:
             self.left -= 1
             name = self.physics.scene.objects[held].name
             self.recorder.event("disturbance", f"{name} drops out of the gripper")
-            self.physics.release()
+            self.follower.lose_grip()
 
     def _blocks(self, scene: Scene, trace: Trace, end: float, time: float) -> None:
         route = trace.base.at(np.arange(time, end, 0.05))[0][:, :2]

@@ -24,6 +24,9 @@ BRAKING = 1.4
 CHECK = 0.1
 """Seconds between looks at contacts, and at what a watcher sees."""
 
+SPRUNG = 0.008
+"""Metres by which fingers open that lose their grip: as far as they were before it."""
+
 Watcher = Callable[[float], "str | None"]
 """Asked every `CHECK` seconds with the time in the trace; a reason to stop, or None."""
 
@@ -185,6 +188,13 @@ class Follower:
         self._in_tool = None
         self._letting = physics.held
         physics.release()
+
+    def lose_grip(self) -> None:
+        """Open the fingers a little, as nobody asked for, until the end of the action."""
+        self._kept = self.physics.opening() + SPRUNG
+        self._letting = self.physics.held
+        self._in_tool = None
+        self.physics.release()
 
     def _slipped(self, index: int, what: str) -> None:
         name = self.names[index]

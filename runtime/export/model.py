@@ -7,8 +7,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from runtime.robot.model import Floats
+from runtime.robot.urdf import Joint
 from runtime.trace.kinematics import Tree, links_at, object_at
-from runtime.trace.model import Trace
+from runtime.trace.model import Trace, TraceRobot
 from runtime.validation.certify import upright
 from runtime.view.colours import TABLE, WALL, Colour, of_links, of_object
 
@@ -32,6 +33,25 @@ def boxes(trace: Trace, time: float) -> Iterator[tuple[str, Floats, Floats, Colo
         for number, shape in enumerate(shapes):
             pose = links[link] @ np.vstack([shape.pose, [0, 0, 0, 1.0]])
             yield f"{link}_{number}", 2 * shape.half, pose, colours[link]
+
+    for joint in trace.robot.urdf.joints.values():
+        column = _column(trace.robot, joint)
+        if column is not None:
+            size, below = column
+            yield f"{joint.child}_column", size, links[joint.child] @ below, WALL
+
+
+def _column(robot: TraceRobot, joint: Joint) -> tuple[Floats, Floats] | None:
+    """Size (3,) and pose (4, 4) in the link of a column below what a lift raises: collision
+    boxes alone would leave it floating."""
+    shapes = robot.urdf.boxes[joint.child]
+    lifts = joint.type == "prismatic" and joint.name in robot.joints and joint.axis[2] > 0.99
+    if not lifts or not shapes:
+        return None
+    length, below = joint.upper - joint.lower, np.eye(4)
+    below[:3, 3] = shapes[0].pose[:, 3]
+    below[2, 3] -= shapes[0].half[2] + length / 2
+    return np.array([shapes[0].half[0], shapes[0].half[1], length]), below
 
 
 def glb(trace: Trace, time: float) -> bytes:

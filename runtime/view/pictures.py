@@ -53,7 +53,7 @@ class Studio:
         for i in range(-4, 4):
             for j in range(-4, 4):
                 x, y = self.middle + np.array([i + 0.5, j + 0.5])
-                shade = 1.0 if (i + j) % 2 else 0.97
+                shade = 1.0 if (i + j) % 2 else 0.95
                 colour = (FLOOR[0] * shade, FLOOR[1] * shade, FLOOR[2] * shade)
                 pose = np.array([x, y, -0.01, 0.0, 0.0, 0.0, 1.0])
                 self._add(f"floor {i} {j}", np.array([1.0, 1.0, 0.02]), pose, colour)
@@ -94,7 +94,7 @@ class Studio:
             view,
             lens,
             lightDirection=LIGHT,
-            shadow=1,
+            shadow=0,  # its shadow map does not cover the floor: half of it would be dark
             renderer=b.ER_TINY_RENDERER,
         )[2]
         return np.reshape(np.asarray(pixels, dtype=np.uint8), (height, width, 4))[:, :, :3]

@@ -155,6 +155,16 @@
         group.add(mesh);
       }
     }
+    // A column below what a lift raises: collision boxes alone would leave it floating.
+    for (const joint of robot.joints) {
+      if (joint.type !== "prismatic" || !robot.planning_joints.includes(joint.name)) continue;
+      const shape = robot.links.find((link) => link.name === joint.child).boxes[0];
+      if (!shape || joint.axis[2] < 0.99) continue;
+      const length = joint.limits[1] - joint.limits[0];
+      const column = box([0.5 * shape.size[0], 0.5 * shape.size[1], length], material(0x8a949e));
+      column.position.set(shape.pose[0], shape.pose[1], shape.pose[2] - (shape.size[2] + length) / 2);
+      links[joint.child].add(column);
+    }
     for (const joint of robot.joints) {
       const origin = new T.Group();
       place(origin, joint.origin);
