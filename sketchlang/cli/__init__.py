@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import importlib
+import os
 import sys
 from typing import Any
 
@@ -69,7 +70,10 @@ class LazyGroup(click.Group):
     def invoke(self, ctx: click.Context) -> Any:
         # Not left to click, whose exit status for Ctrl-C is 1: that is a verdict here.
         try:
-            return super().invoke(ctx)
+            try:
+                return super().invoke(ctx)
+            finally:
+                sys.stdout.flush()  # a full disk has to show now, not when Python exits
         except KeyboardInterrupt:
             click.echo("interrupted", err=True)
             ctx.exit(INTERRUPTED)
@@ -78,6 +82,8 @@ class LazyGroup(click.Group):
             if error.errno not in FULL:
                 raise
             click.echo(f"error: output cannot be written: {error.strerror or error}", err=True)
+            # What is still buffered cannot be written either.
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             ctx.exit(2)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:

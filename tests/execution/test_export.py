@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -33,7 +34,7 @@ def test_a_bag_is_read_back(trace, tmp_path) -> None:
     from rosbags.typesys import Stores, get_typestore
 
     path = tmp_path / "bag"
-    write_bag(trace, path)
+    write_bag(replace(trace, duration=12.0), path)
     store = get_typestore(Stores.ROS2_HUMBLE)
     seen: dict[str, list] = {}
     with Reader(path) as reader:
