@@ -148,9 +148,11 @@ class ClosedLoop:
         where the robot cannot even go home."""
         for number, action in enumerate(trace.actions):
             watcher = _Watcher(self, trace, number, seen)
-            self.follower.follow(trace, watcher, action.start, action.end)
-            if watcher.stuck is not None:
-                return watcher.stuck
+            end = self.follower.follow(trace, watcher, action.start, action.end)
+            if watcher.surprise is not None and watcher.back:
+                if not watcher.way_is_free(action.start, end):
+                    return f"the arm can go neither on nor back: {watcher.surprise}"
+                self.follower.go_back(trace, action.start, end)
             if watcher.surprise is not None:
                 self.broken_off += 1
                 self.recorder.event("replan", watcher.surprise)
@@ -179,7 +181,7 @@ class _Watcher:
         self.loop, self.trace, self.number, self.seen = loop, trace, number, seen
         self.action = trace.actions[number]
         self.surprise: str | None = None
-        self.stuck: str | None = None
+        self.back = False  # the arm must go back, as its way on is barred
 
     def __call__(self, time: float) -> str | None:
         loop = self.loop
@@ -191,10 +193,8 @@ class _Watcher:
         if self.action.name == "move_base":
             return self.surprise
         # The arm ends its action, and so comes home, unless something now is in its way.
-        if not self._way_is_free(time):
-            self.stuck = f"the arm cannot go on or back: {self.surprise}"
-            return self.stuck
-        return None
+        self.back = not self.way_is_free(time, self.action.end)
+        return self.surprise if self.back else None
 
     def _surprise(self, time: float) -> str | None:
         loop, names = self.loop, [thing.name for thing in self.loop.scene.objects]
@@ -219,20 +219,17 @@ class _Watcher:
                 return f"{names[index]} has moved"
         return None
 
-    def _way_is_free(self, time: float) -> bool:
-        """Whether the rest of the action touches nothing that stands as it is seen now."""
+    def way_is_free(self, start: float, end: float) -> bool:
+        """Whether the arm's way in a stretch of the trace touches nothing that stands, as it is
+        seen now; with the fingers as they are."""
         loop = self.loop
         now = loop.senses.look(LOOKS)
         try:
             state = state_of(loop.problem.task, now, loop.grasp)
         except LostError:
             return True  # it lies under the arm, which goes up and home; the round after tells
-        own = self.action.object
-        index = None if own is None else [t.name for t in loop.scene.objects].index(own)
         x, y, yaw = now.base
-        world = loop.problem.task.world_rows(state, without=index)
-        rows = to_base_frame(world, x, y, yaw, REACH)
-        opening = loop.physics.opening()
-        context = ArmContext(loop.robot, loop.robot.body(opening), rows)
-        path = self.trace.joints.at(np.arange(time, self.action.end, 0.05))[0]
+        rows = to_base_frame(loop.problem.task.world_rows(state), x, y, yaw, REACH)
+        context = ArmContext(loop.robot, loop.robot.body(loop.physics.opening()), rows)
+        path = self.trace.joints.at(np.arange(start, end, 0.05))[0]
         return not any(context.collides(q, 0.0) for q in path)

@@ -14,12 +14,16 @@ from runtime.execution.tracking import Tracking
 from runtime.robot.model import Floats
 from runtime.trace.kinematics import matrix
 from runtime.trace.model import Grip, Trace
+from runtime.trace.track import Track
 
 GRASP_PATIENCE = 0.5
 """Seconds that the fingers are given to reach the object."""
 
 BRAKING = 1.4
-"""Seconds from full speed to rest, along the path, where a motion is broken off."""
+"""Seconds from full speed to rest, along the path, where a drive is broken off."""
+
+ARM_BRAKING = 0.4
+"""The same for the arm, which is lighter."""
 
 CHECK = 0.1
 """Seconds between looks at contacts, and at what a watcher sees."""
@@ -102,7 +106,8 @@ class Follower:
                 checked = self.physics.time
                 braking = watch(now) is not None
             if braking:
-                rate = max(0.0, rate - STEP / BRAKING)
+                driving = bool(base_speed[min(int(clock), steps)].any())
+                rate = max(0.0, rate - STEP / (BRAKING if driving else ARM_BRAKING))
             clock = min(float(steps), clock + rate)
             whole = min(int(clock), steps - 1)
             share = clock - whole
@@ -113,7 +118,8 @@ class Follower:
         if grips and rate > 0 and self._handle(grips[0], end + STEP, marks):
             grips.pop(0)
         marks.append((end, self.physics.time))
-        self._kept = None
+        if end >= stop:
+            self._kept = None
         self._keep_books(trace, marks, start, end)
         return end
 
@@ -148,6 +154,27 @@ class Follower:
         assert self.physics.held is not None
         return matrix(self.physics.object_pose(self.physics.held))
 
+    def go_back(self, trace: Trace, start: float, end: float) -> None:
+        """From where the arm is at `end` of a trace, back on its way to where it was at `start`;
+        the fingers stay as they are."""
+        times = np.linspace(start, end, max(2, math.ceil((end - start) / 0.05)))
+        values, speeds = trace.joints.at(times)
+        speeds[-1] = 0.0
+        still = np.array([0.0])
+        self._kept = self.physics.opening()
+        self.follow(
+            replace(
+                trace,
+                duration=end - start,
+                subgoals=(),
+                actions=(),
+                grips=(),
+                base=Track(still, self._target[None, :3], np.zeros((1, 3))),
+                joints=Track((end - times)[::-1], values[::-1], -speeds[::-1]),
+                opening=Track(still, np.array([[self._kept]]), np.zeros((1, 1))),
+            )
+        )
+
     # -- grips ---------------------------------------------------------------------------------
 
     def _handle(self, grip: Grip, now: float, marks: list[tuple[float, float]]) -> bool:
@@ -158,14 +185,18 @@ class Follower:
                 return False
             self.let_go()
             return True
-        if now >= grip.start and not physics.squeezing and self._kept is None:
+        waiting = physics.held is None and not physics.squeezing and self._kept is None
+        if now >= grip.start and waiting:
             physics.squeezing = not self.grasp_fails()
             self._kept = None if physics.squeezing else self._opening
+        # Fingers stop where both touch, before they turn what they hold across its corners.
+        if physics.squeezing and physics.held is None:
+            physics.grasp(index)
         if now < grip.time:
             return False
         marks.append((now, physics.time))
         for _ in range(round(GRASP_PATIENCE / STEP)):
-            if not physics.squeezing or physics.grasp(index):
+            if physics.held is not None or not physics.squeezing or physics.grasp(index):
                 break
             self._step(self._target, np.zeros(len(self._target)), grip)
         marks.append((now, physics.time))
