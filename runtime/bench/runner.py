@@ -111,8 +111,6 @@ def _end_last_line(path: Path) -> None:
 
 def run_job(job: Job) -> dict[str, Any]:
     """Plan once, certify the plan, and say what came out. Runs in a process of its own."""
-    import resource
-
     import numpy as np
 
     from runtime.report import make_report
@@ -120,6 +118,7 @@ def run_job(job: Job) -> dict[str, Any]:
     from runtime.search.limits import Limits
     from runtime.search.planners import PLANNERS
     from runtime.search.problem import searchable
+    from sketchlang.analysis.limits import peak_memory_mb
     from sketchlang.compile import compile_sketch
     from sketchlang.loader import load_sketch
 
@@ -141,5 +140,5 @@ def run_job(job: Job) -> dict[str, Any]:
         certificate = problem.certify(compiled.model, outcome, job.planner, job.seed)
         report["valid"] = certificate.valid
         report["findings"] = [finding.message for finding in certificate.findings]
-    report["peak_mb"] = round(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
+    report["peak_mb"] = round(peak_memory_mb())
     return report
