@@ -113,6 +113,7 @@ def run_job(job: Job) -> dict[str, Any]:
     """Plan once, certify the plan, and say what came out. Runs in a process of its own."""
     import numpy as np
 
+    from runtime.collector import spared
     from runtime.report import make_report
     from runtime.scene.library import find_scene
     from runtime.search.limits import Limits
@@ -129,9 +130,10 @@ def run_job(job: Job) -> dict[str, Any]:
     path, name = find_scene(job.scene)
     problem = searchable(checked.domain.load(str(path), {"seed": job.seed, "name": name}))
     problem.warm_up()
-    limits = Limits(timeout=job.timeout)
     plan = PLANNERS[job.planner]
-    outcome = plan(compiled, problem, limits, np.random.default_rng(job.seed))
+    limits = Limits(timeout=job.timeout)
+    with spared():
+        outcome = plan(compiled, problem, limits, np.random.default_rng(job.seed))
     seconds = limits.elapsed()
     report = make_report(compiled.model, problem, name, job.planner, job.seed, outcome, seconds)
     report["job"] = asdict(job)

@@ -118,75 +118,117 @@ def body_collides(placed, box_half, box_radius, world, margin):  # type: ignore[
     return False
 
 
-COARSE = 0.05
+COARSE = 0.1
 """Radians between the samples that look for gross contact, at least."""
 
 FAR = 0.3
 """Metres of clearance beyond which nobody asks how much further away something is."""
 
+OVER = 2.0
+"""A time after the end of a line, which is at 1."""
+
+TINY = 1e-9
+TOGETHER = 0.02
+"""What is due so soon after is looked at in one go, for the sake of the forward kinematics."""
+
 
 @njit(cache=True)
-def free_until(  # type: ignore[no-untyped-def]
-    origins, prismatic, box_frame, box_pose, box_half, box_radius, pairs, world, margin,
-    sweep, q0, dq, t, frames, placed, speeds,
-):  # fmt: skip
-    """How far the line q0 + t dq is certainly free from t on, or -1 for contact at t.
-
-    Conservative advancement: a box whose gap to everything is g cannot touch anything
-    before it has moved by g, and `sweep[f, i]` bounds how far a box of frame f moves for
-    one unit of joint i. Contact means a gap below `margin`; between the values returned,
-    the gap stays above half of it.
-    """
-    n = q0.shape[0]
-    forward(origins, prismatic, q0 + t * dq, frames)
-    place_boxes(frames, box_frame, box_pose, placed)
-    for f in range(n + 1):
-        speeds[f] = 0.0
-        for i in range(f):
-            speeds[f] += sweep[f, i] * abs(dq[i])
-    advance = 1e9
-    for b in range(box_frame.shape[0]):
-        frame = box_frame[b]
-        if frame == 0:
-            continue
-        # What is further away than the way that is left does not matter.
-        enough = min(FAR, (1.0 - t) * speeds[frame] + margin)
-        for w in range(world.shape[0]):
-            gap = gap_to_upright(placed[b], box_half[b], box_radius[b], world[w], enough)
-            if gap >= enough:
-                if enough == FAR:
-                    advance = min(advance, (FAR - 0.5 * margin) / max(speeds[frame], 1e-12))
-                continue
-            if gap < margin:
-                if pose_vs_upright(placed[b], box_half[b], box_radius[b], world[w], margin):
-                    return -1.0
-                gap = margin
-            advance = min(advance, (gap - 0.5 * margin) / max(speeds[frame], 1e-12))
-    for k in range(pairs.shape[0]):
-        a = pairs[k, 0]
-        b = pairs[k, 1]
-        low = min(box_frame[a], box_frame[b])
-        high = max(box_frame[a], box_frame[b])
-        speed = 0.0
-        for i in range(low, high):
-            speed += sweep[high, i] * abs(dq[i])
-        dx = placed[a, 0, 3] - placed[b, 0, 3]
-        dy = placed[a, 1, 3] - placed[b, 1, 3]
-        dz = placed[a, 2, 3] - placed[b, 2, 3]
-        enough = min(FAR, (1.0 - t) * speed + margin)
-        reach = box_radius[a] + box_radius[b] + enough
-        if dx * dx + dy * dy + dz * dz >= reach * reach:
-            if enough == FAR:
-                advance = min(advance, (FAR - 0.5 * margin) / max(speed, 1e-12))
-            continue
-        gap = gap_to_pose(placed[a], box_half[a], placed[b], box_half[b])
-        gap = max(gap, math.sqrt(dx * dx + dy * dy + dz * dz) - box_radius[a] - box_radius[b])
+def free_of_world(pose, half, radius, world, margin, speed, left):  # type: ignore[no-untyped-def]
+    """How long a box that moves with at most `speed` certainly stays free of the world (w, 8),
+    or -1 for contact now. Nobody asks for more time than is `left`."""
+    # What is further away than the way that is left does not matter.
+    enough = min(FAR, left * speed + margin)
+    nearest = enough
+    for w in range(world.shape[0]):
+        gap = gap_to_upright(pose, half, radius, world[w], nearest)
         if gap < margin:
-            if pose_vs_pose(placed[a], box_half[a], placed[b], box_half[b], margin):
+            if pose_vs_upright(pose, half, radius, world[w], margin):
                 return -1.0
             gap = margin
-        advance = min(advance, (gap - 0.5 * margin) / max(speed, 1e-12))
-    return advance
+        nearest = min(nearest, gap)
+    if nearest == enough and enough < FAR:
+        return left
+    return (nearest - 0.5 * margin) / max(speed, 1e-12)
+
+
+@njit(cache=True)
+def free_of_each_other(  # type: ignore[no-untyped-def]
+    pose_a, half_a, radius_a, pose_b, half_b, radius_b, margin, speed, left
+):
+    """The same for two boxes that move with at most `speed` relative to one another."""
+    dx = pose_a[0, 3] - pose_b[0, 3]
+    dy = pose_a[1, 3] - pose_b[1, 3]
+    dz = pose_a[2, 3] - pose_b[2, 3]
+    gap = math.sqrt(dx * dx + dy * dy + dz * dz) - radius_a - radius_b
+    if gap >= left * speed + margin:
+        return left
+    if gap < FAR:
+        gap = max(gap, gap_to_pose(pose_a, half_a, pose_b, half_b))
+    if gap < margin:
+        if pose_vs_pose(pose_a, half_a, pose_b, half_b, margin):
+            return -1.0
+        gap = margin
+    return (gap - 0.5 * margin) / max(speed, 1e-12)
+
+
+@njit(cache=True)
+def segment_collides(  # type: ignore[no-untyped-def]
+    origins, prismatic, box_frame, box_pose, box_half, box_radius, pairs, world, margin,
+    sweep, start, dq, with_end, frames, placed, speed, until,
+):  # fmt: skip
+    """Whether the straight line from `start` (n,) along `dq` comes within the margin of
+    something at a sample; else all of it keeps half the margin. The start is a sample, and
+    the end `with_end`; `frames`, `placed`, `speed` and `until` are scratch.
+
+    Conservative advancement: a box whose gap to everything is g cannot touch anything before
+    it has moved by g, and `sweep[f, i]` bounds how far a box of frame f moves for one unit of
+    joint i. Every box (against the world) and every pair of boxes has its own `until`, the
+    time to which it is known to be free, and is looked at again only then: neighbouring links,
+    whose gaps are small, do not make everything else be tested at their pace.
+    """
+    m = box_frame.shape[0]
+    for b in range(m):
+        speed[b] = 0.0
+        for i in range(box_frame[b]):
+            speed[b] += sweep[box_frame[b], i] * abs(dq[i])
+        until[b] = 0.0 if box_frame[b] > 0 else OVER
+    for k in range(pairs.shape[0]):
+        one = box_frame[pairs[k, 0]]
+        other = box_frame[pairs[k, 1]]
+        speed[m + k] = 0.0
+        for i in range(min(one, other), max(one, other)):
+            speed[m + k] += sweep[max(one, other), i] * abs(dq[i])
+        until[m + k] = 0.0
+    while True:
+        t = OVER
+        for item in range(m + pairs.shape[0]):
+            t = min(t, until[item])
+        if t == OVER:
+            return False
+        forward(origins, prismatic, start + t * dq, frames)
+        place_boxes(frames, box_frame, box_pose, placed)
+        left = 1.0 - t
+        for item in range(m + pairs.shape[0]):
+            if until[item] > t + TOGETHER:
+                continue
+            if item < m:
+                free = free_of_world(
+                    placed[item], box_half[item], box_radius[item], world, margin, speed[item],
+                    left,
+                )  # fmt: skip
+            else:
+                a = pairs[item - m, 0]
+                b = pairs[item - m, 1]
+                free = free_of_each_other(
+                    placed[a], box_half[a], box_radius[a], placed[b], box_half[b], box_radius[b],
+                    margin, speed[item], left,
+                )  # fmt: skip
+            if free < 0.0:
+                return True
+            if t + free < 1.0 - TINY:
+                until[item] = t + free
+            else:
+                until[item] = 1.0 if with_end and t < 1.0 else OVER
 
 
 @njit(cache=True)
@@ -200,7 +242,8 @@ def path_collides(  # type: ignore[no-untyped-def]
     n = path.shape[1]
     frames = np.empty((n + 1, 3, 4))
     placed = np.empty((box_frame.shape[0], 3, 4))
-    speeds = np.empty(n + 1)
+    speed = np.empty(box_frame.shape[0] + pairs.shape[0])
+    until = np.empty(box_frame.shape[0] + pairs.shape[0])
     # Most paths that fail do so grossly: a few samples, the middle first, find them.
     for k in range(path.shape[0] - 1):
         dq = path[k + 1] - path[k]
@@ -217,16 +260,10 @@ def path_collides(  # type: ignore[no-untyped-def]
                     return k
             parts *= 2
     for k in range(path.shape[0] - 1):
-        dq = path[k + 1] - path[k]
-        t = 0.0
-        while True:
-            advance = free_until(
-                origins, prismatic, box_frame, box_pose, box_half, box_radius, pairs, world,
-                margin, sweep, path[k], dq, t, frames, placed, speeds,
-            )  # fmt: skip
-            if advance < 0.0:
-                return k
-            if t >= 1.0:
-                break
-            t = min(1.0, t + advance)
+        if segment_collides(
+            origins, prismatic, box_frame, box_pose, box_half, box_radius, pairs, world, margin,
+            sweep, path[k], path[k + 1] - path[k], k == path.shape[0] - 2, frames, placed,
+            speed, until,
+        ):  # fmt: skip
+            return k
     return -1

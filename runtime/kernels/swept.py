@@ -125,6 +125,52 @@ def residue_minima(counts, minus, plus, modulus):  # type: ignore[no-untyped-def
 
 
 @njit(cache=True)
+def least_union(pick, pick_reachable, place, place_reachable, counted, modulus, turn):  # type: ignore[no-untyped-def]
+    """Fewest objects that bar one heading to an object or one heading to a site of its goal.
+
+    `pick` (n,) and `place` (S, n) are headings that each object bars, `counted` (n,) tells
+    which objects are there. The heading at the site is that to the object plus `turn`,
+    modulo `modulus`. An object that bars both headings counts once.
+    """
+    words = (len(counted) + 62) // 63
+    before = np.zeros((HEADINGS, words), dtype=np.int64)
+    after = np.zeros((HEADINGS, words), dtype=np.int64)
+    _transpose(pick, counted, before)
+    best = 2 * UNREACHABLE
+    for i in range(place.shape[0]):
+        after[:] = 0
+        _transpose(place[i], counted, after)
+        for k in range(HEADINGS):
+            if not (pick_reachable >> k) & 1 or _bits(before[k]) >= best:
+                continue
+            for m in range((k + turn) % modulus, HEADINGS, modulus):
+                if (place_reachable[i] >> m) & 1:
+                    best = min(best, _bits(before[k] | after[m]))
+    return best
+
+
+@njit(cache=True)
+def _transpose(barred, counted, sets):  # type: ignore[no-untyped-def]
+    """From the headings that each object bars to the set of objects that bar each heading,
+    63 objects a word."""
+    for j in range(len(counted)):
+        if counted[j]:
+            for k in range(HEADINGS):
+                sets[k, j // 63] |= ((barred[j] >> k) & 1) << (j % 63)
+
+
+@njit(cache=True)
+def _bits(words):  # type: ignore[no-untyped-def]
+    """How many bits of some words are set."""
+    count = 0
+    for word in words:
+        while word:
+            word &= word - 1
+            count += 1
+    return count
+
+
+@njit(cache=True)
 def reachable_headings(  # type: ignore[no-untyped-def]
     sites, strip, shoulder, tool_offset, inner, outer, low, high,
     room, x0, y0, cell, statics, clearance,

@@ -137,12 +137,12 @@ class Arrangement:
         counts = self.pick_counts[index]
         return sum(1 << k for k in range(HEADINGS) if counts[k] == 0)
 
-    def place_counts(self, goal: GoalSites, grip: float) -> tuple[Ints, Ints]:
-        """For the sites of a goal and half the width of what is put there: (S, n) barred
-        headings, (S, K) counts."""
-        key = (goal.key, grip)
+    def place_counts(self, goal: GoalSites, grip: Floats) -> tuple[Ints, Ints]:
+        """For the sites of a goal and half the width (K,) of what is put there, across each
+        heading: (S, n) barred headings, (S, K) counts."""
+        key = (goal.key, grip.tobytes())
         if key not in self._places:
-            grips = np.full((len(goal.xy), HEADINGS), grip)
+            grips = np.tile(grip, (len(goal.xy), 1))
             strip = self.task.strip
             barred: Ints
             if self._origin is None:
@@ -180,13 +180,13 @@ class Arrangement:
         self, index: int, goal: GoalSites, grasp: Grasp | None, extra: tuple[int, Placement] | None
     ) -> int:
         task = self.task
-        grip = task.place_grip(index, grasp)
+        grip = task.place_grips(index, goal, grasp)
         barred, counts = self.place_counts(goal, grip)
         plus_place = np.zeros(len(goal.xy), dtype=np.int64)
         plus_pick = np.zeros(1, dtype=np.int64)
         if extra is not None:
             box = task.object_row(*extra)[None]
-            grips = np.full((len(goal.xy), HEADINGS), grip)
+            grips = np.tile(grip, (len(goal.xy), 1))
             plus_place = swept.barred_matrix(goal.xy, grips, box, task.strip)[:, 0]
             plus_pick = swept.barred_matrix(
                 self.xy[index : index + 1], self.grips[index : index + 1], box, task.strip
@@ -201,10 +201,25 @@ class Arrangement:
             return int(place[round((goal.yaw + grasp.heading) / STEP) % modulus])
         none = np.zeros(1, dtype=np.int64)
         pick = swept.residue_minima(self.pick_counts[index : index + 1], none, plus_pick, modulus)
-        if goal.yaw is None:
-            return int(pick[0] + place[0])
-        turn = round((goal.yaw - placement_now.pose[2]) / STEP)
-        return int((pick + np.roll(place, -turn % modulus)).min())
+        turn = 0 if goal.yaw is None else round((goal.yaw - placement_now.pose[2]) / STEP)
+        place = np.roll(place, -turn % modulus)
+        at_least, at_most = int(np.maximum(pick, place).min()), int((pick + place).min())
+        if at_least == at_most or at_least >= swept.UNREACHABLE:
+            return at_most
+        # Something bars both ways: it is to be moved once only.
+        counted = np.append(self.present, extra is not None)
+        counted[index] = False
+        return int(
+            swept.least_union(
+                np.append(self.barred[index], plus_pick),
+                self.reachable[index],
+                np.column_stack([barred, plus_place]),
+                goal.reachable,
+                counted,
+                modulus,
+                turn,
+            )
+        )
 
     def in_the_way(self, index: int, goal: GoalSites) -> list[int]:
         """Objects that bar a least barred heading to an object, or to a site of its goal."""
@@ -212,7 +227,7 @@ class Arrangement:
         counts = self.pick_counts[index]
         for k in np.flatnonzero(counts == counts.min()):
             found |= {int(j) for j in np.flatnonzero((self.barred[index] >> k) & 1)}
-        barred, counts = self.place_counts(goal, self.task.place_grip(index, None))
+        barred, counts = self.place_counts(goal, self.task.place_grips(index, goal, None))
         fewest = counts.min()
         if fewest > 0:
             for site, k in np.argwhere(counts == fewest):
@@ -241,13 +256,12 @@ class Arrangement:
 
     def _is_disturbed(self, other: int, goal: GoalSites, index: int, placement: Placement) -> bool:
         """Whether alpha of `other` rises with object `index` at a placement."""
-        if goal.modulus > 1:
-            before = self.obstructions(other, goal)
+        before = self.obstructions(other, goal)
+        if goal.modulus > 1 or before > 0:
             return self._obstructions(other, goal, None, (index, placement)) > before
-        # Pick and place do not depend on each other: alpha rises if one of them loses its
-        # last least barred heading.
+        # Nothing bars the way: alpha rises if pick or place loses its last free heading.
         task = self.task
-        grip = task.place_grip(other, None)
+        grip = task.place_grips(other, goal, None)
         if other not in self._open:
             none = np.zeros(1, dtype=np.int64)
             barred, counts = self.place_counts(goal, grip)
@@ -259,7 +273,7 @@ class Arrangement:
         pick, place = self._open[other]
         sites = (
             (pick, self.xy[other : other + 1], self.grips[other : other + 1]),
-            (place, goal.xy, np.full((len(goal.xy), HEADINGS), grip)),
+            (place, goal.xy, np.tile(grip, (len(goal.xy), 1))),
         )
         return not all(
             swept.leaves_open(headings, xy, grips, box, task.strip) for headings, xy, grips in sites

@@ -40,6 +40,9 @@ DOUBT = 2
 """From this attempt on the features' estimate of what bars the way is no longer believed, and
 every grasp, placement and base pose can be sampled."""
 
+ROUNDS = 3
+"""So many base poses for the same grasp, where there are few grasps."""
+
 CHOICE = 3
 """Placements to put something aside are the best of so many times their number."""
 
@@ -144,7 +147,11 @@ class Sampler:
             free = self._placeable(state, index, free) or free
             if self._doubting:
                 free = swept.ALL
-            headings = pick_headings(free, GRASPS * 2**attempt, rng)
+            number = GRASPS * 2**attempt
+            narrow = free & self._narrow(index, placement)
+            headings = pick_headings(narrow, number, rng)
+            if len(headings) < number:
+                headings += pick_headings(free & ~narrow, number - len(headings), rng)
             jitter = 0.0 if attempt == 0 else STEP / 2
             height = task.shapes[index].grasp_height
             grasps = tuple(
@@ -168,7 +175,7 @@ class Sampler:
         placement = state.placements[index]
         if goal is None or goal.yaw is None or placement is None:
             return free
-        barred, counts = arrangement.place_counts(goal, task.place_grip(index, None))
+        barred, counts = arrangement.place_counts(goal, task.place_grips(index, goal, None))
         own = (barred[:, index, None] >> np.arange(HEADINGS)) & 1
         place = (counts - own).min(axis=0)
         turn = round((goal.yaw - placement.pose[2]) / STEP)
@@ -178,25 +185,28 @@ class Sampler:
             if any(place[end] == place.min() for end in ends):
                 fitting |= 1 << k
         # Where the heading is prescribed, room is tight: narrow grasps before wide ones.
-        grips = task.grips(index, placement.pose[2])
-        narrow = sum(1 << k for k in range(HEADINGS) if grips[k] < grips.min() + NARROW)
-        return (free & fitting & narrow) or (free & fitting)
+        return (free & fitting & self._narrow(index, placement)) or (free & fitting)
+
+    def _narrow(self, index: int, placement: Placement) -> int:
+        """Headings along which the gripper need not open much wider than it must at best:
+        those along the sides of a box, where its fingers lie flat."""
+        grips = self.task.grips(index, placement.pose[2])
+        return sum(1 << k for k in range(HEADINGS) if grips[k] < grips.min() + NARROW)
 
     def _regrasps(
         self, state: State, attempt: int, rng: np.random.Generator
     ) -> list[tuple[int, tuple[Grasp, ...]]]:
         """Other grasps of the held object: where it cannot go to its goal with the grasp
         that holds it, it is put down, gripped anew and placed, all in one subproblem."""
-        assert state.held is not None
-        height = self.task.shapes[state.held].grasp_height
+        index = state.held
+        assert index is not None
+        height = self.task.shapes[index].grasp_height
         number = GRASPS * 2**attempt
         # The first angles are along the sides of the object, the narrowest ones.
         angles = np.arange(number) * 2 * math.pi / number
         if attempt > 1:
             angles += rng.uniform(0.0, 2 * math.pi / number)
-        return [
-            (state.held, tuple(Grasp.of(a, height, flipped=rng.random() < 0.3) for a in angles))
-        ]
+        return [(index, tuple(Grasp.of(a, height, flipped=rng.random() < 0.3) for a in angles))]
 
     def _goal_placements_with(
         self, state: State, index: int, grasp: Grasp, number: int, rng: np.random.Generator
@@ -282,7 +292,7 @@ class Sampler:
             [arrangement.reachable[i] for i in misplaced] + [goal.reachable[0] for goal in goals],
             dtype=np.int64,
         )
-        grips = np.full((len(xy), HEADINGS), task.place_grip(index, None))
+        grips = np.tile(task.place_grips(index, None, None), (len(xy), 1))
         boxes = np.array([task.object_row(index, p) for p in placements]).reshape(-1, 8)
         barred = swept.barred_matrix(xy, grips, boxes, task.strip) & reachable[:, None]
         ways = np.bitwise_count(barred).sum(axis=0) if len(xy) else np.zeros(len(placements))
@@ -300,7 +310,10 @@ class Sampler:
         for x, y in goal.xy:
             if goal.yaw is not None:
                 step = 2 * math.pi / goal.symmetry
-                yaws = [goal.yaw + i * step for i in range(goal.symmetry)]
+                turns = [goal.yaw + i * step for i in range(goal.symmetry)]
+                free = self._free_at(state, x, y, goal.surface)
+                held = state.grasp.heading
+                yaws = [yaw for yaw in turns if (free >> heading_bit(yaw + held)) & 1] or turns
             else:
                 headings = pick_headings(self._free_at(state, x, y, goal.surface), number, rng)
                 yaws = [k * STEP + self._jitter(rng) - state.grasp.heading for k in headings]
@@ -361,7 +374,7 @@ class Sampler:
         assert state.held is not None
         arrangement = task.arrangement(state.placements)
         site = np.array([[x, y]])
-        grips = np.full((1, HEADINGS), task.place_grip(state.held, state.grasp))
+        grips = task.place_grips(state.held, None, state.grasp)[None]
         barred = swept.barred_matrix(site, grips, arrangement.boxes, task.strip)[0]
         reachable = int(task.reachable_sites(site, task.scene.surfaces[surface].rest)[0])
         return reachable & ~int(np.bitwise_or.reduce(barred)) if len(barred) else reachable
@@ -376,15 +389,15 @@ class Sampler:
         rng: np.random.Generator,
     ) -> list[BasePose]:
         """Base poses from which the wanted grasps can be taken: one grasp of every object
-        first, then the next of every object, up to a number for each surface."""
+        first, then the next of every object, and again, up to a number for each surface."""
         limit = BASES * scale
         count: dict[int, int] = {}
         bases: list[BasePose] = []
-        for turn in range(max((len(targets) for targets in wanted), default=0)):
+        for turn in range(ROUNDS * max((len(targets) for targets in wanted), default=0)):
             for targets in wanted:
-                if turn >= len(targets):
+                if turn >= ROUNDS * len(targets):
                     continue
-                placement, grasp = targets[turn]
+                placement, grasp = targets[turn % len(targets)]
                 if placement is None or count.get(placement.surface, 0) >= limit:
                     continue
                 base = self.base_for(placement, grasp, rng)
@@ -417,6 +430,11 @@ class Sampler:
             if plane.in_room(*room, bx, by):
                 return BasePose.of(bx, by, facing)
         return None
+
+
+def heading_bit(heading: float) -> int:
+    """The bit of the heading (radians) that is nearest."""
+    return round(heading / STEP) % HEADINGS
 
 
 def pick_headings(bits: int, number: int, rng: np.random.Generator) -> list[int]:

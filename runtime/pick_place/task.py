@@ -61,6 +61,7 @@ class Task:
         self._reachable: dict[tuple[float, float, int], int] = {}
         self._holds: dict[object, bool] = {}
         self._rows: dict[tuple[int, Placement], Floats] = {}
+        self._place_grips: dict[object, Floats] = {}
         self.goals = self._static_goals()
         self.words = WordGoals(self, scene.word) if scene.word is not None else None
         self.initial = self._initial()
@@ -270,12 +271,23 @@ class Task:
         wider: Floats = np.maximum(np.roll(widths, low), np.roll(widths, high))
         return wider
 
-    def place_grip(self, index: int, grasp: Grasp | None) -> float:
-        """Half the width of an object between the fingers: of the grasp that holds it, or
-        of its narrowest grasp."""
-        if grasp is None:
-            return float(self._widths[index].min())
-        return round(self.shapes[index].width(grasp.heading) / 2, 4)
+    def place_grips(self, index: int, goal: GoalSites | None, grasp: Grasp | None) -> Floats:
+        """Half the width (K,) of an object between the fingers, for each heading with which
+        it can be put at a goal: given by its heading there where that is prescribed, else by
+        the grasp that holds it, else that of its narrowest grasp."""
+        yaw = None if goal is None else goal.yaw
+        key = (self.shapes[index].size, yaw, None if grasp is None else grasp.angle)
+        grips = self._place_grips.get(key)
+        if grips is None:
+            if yaw is not None:
+                grips = self.grips(index, yaw)
+            elif grasp is not None:
+                width = round(self.shapes[index].width(grasp.heading) / 2, 4)
+                grips = np.full(HEADINGS, width)
+            else:
+                grips = np.full(HEADINGS, self._widths[index].min())
+            self._place_grips[key] = grips
+        return grips
 
     def world_rows(self, state: State, without: int | None = None) -> Floats:
         """Obstacles and standing objects packed for the kernels (w, 8)."""

@@ -107,6 +107,7 @@ def _run(
 
     import numpy as np
 
+    from runtime.collector import spared
     from runtime.errors import InputError
     from runtime.report import make_report, summary
     from runtime.scene.library import find_scene
@@ -125,15 +126,16 @@ def _run(
     problem.warm_up()
     limits = Limits(timeout=timeout, k_max=k_max)
     started = time.perf_counter()
-    outcome = PLANNERS[planner](
-        compiled,
-        problem,
-        limits,
-        np.random.default_rng(seed),
-        progress=lambda subgoal, seconds: say(
-            f"{seconds:8.2f} s  {subgoal.rule:<14} {problem.describe(subgoal)}"
-        ),
-    )
+    with spared():
+        outcome = PLANNERS[planner](
+            compiled,
+            problem,
+            limits,
+            np.random.default_rng(seed),
+            progress=lambda subgoal, seconds: say(
+                f"{seconds:8.2f} s  {subgoal.rule:<14} {problem.describe(subgoal)}"
+            ),
+        )
     seconds = time.perf_counter() - started
     report = make_report(compiled.model, problem, name, planner, seed, outcome, seconds)
     if out is not None and outcome.solved:

@@ -225,3 +225,34 @@ def test_reachable_headings_need_a_stand_and_a_free_strip(rng) -> None:
             seen.add((barred, stand))
             assert bool(bits >> k & 1) == (stand and not barred)
     assert len(seen) >= 3
+
+
+@pytest.mark.parametrize("modulus", [1, 6, 12, 24])
+def test_the_least_union_agrees_with_sets(rng, modulus) -> None:
+    """More than 63 objects as well: sets of objects are packed into words."""
+    counted_twice = 0
+    for objects in (3, 10, 70):
+        for _ in range(8):
+            sites, turn = 2, int(rng.integers(-30, 30))
+            pick = np.array([bits_of(random_headings(rng)) for _ in range(objects)])
+            place = np.array(
+                [[bits_of(random_headings(rng)) for _ in range(objects)] for _ in range(sites)]
+            )
+            reachable = rng.integers(1, 1 << swept.HEADINGS, sites + 1)
+            counted = rng.random(objects) < 0.8
+            found = swept.least_union(
+                pick, reachable[0], place, reachable[1:], counted, modulus, turn
+            )
+            unions, sums = [], []
+            for k in headings_of(int(reachable[0])):
+                before = {j for j in range(objects) if counted[j] and k in headings_of(pick[j])}
+                for i in range(sites):
+                    for m in headings_of(int(reachable[1 + i])):
+                        if (m - k - turn) % modulus == 0:
+                            bars = [k2 for k2 in range(objects) if m in headings_of(place[i, k2])]
+                            after = {j for j in bars if counted[j]}
+                            unions.append(len(before | after))
+                            sums.append(len(before) + len(after))
+            assert found == min(unions, default=2 * swept.UNREACHABLE)
+            counted_twice += min(sums, default=0) > min(unions, default=0)
+    assert counted_twice

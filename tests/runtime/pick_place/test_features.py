@@ -165,6 +165,34 @@ def brute_force(the: Task, state: State, index: int) -> int:
     return pick + place
 
 
+def barring(
+    the: Task, state: State, index: int, site: tuple[float, float], surface: int, grips: list[float]
+) -> list[set[int]]:
+    """For each heading from which the robot could come to a site, the objects that bar it."""
+    barred = {
+        j: reference.barred_headings(
+            np.array(site), np.array(grips), row_of(the, j, placement), the.strip, PLAY
+        )
+        for j, placement in enumerate(state.placements)
+        if placement is not None and j != index
+    }
+    reachable = headings_of(the.reachable_xy(*site, surface))
+    return [{j for j in barred if k in barred[j]} for k in sorted(reachable)]
+
+
+def fewest_to_move(the: Task, state: State, index: int) -> int:
+    """alpha of a standing object whose goal is a point: fewest objects that bar a heading to
+    it or a heading to its goal."""
+    placement, goal = state.placements[index], the.goals[index]
+    assert placement is not None
+    x, y, yaw = placement.pose
+    turned = [half_width(the, index, k * STEP - yaw) for k in range(HEADINGS)]
+    narrow = [min(half_width(the, index, k * STEP) for k in range(HEADINGS))] * HEADINGS
+    before = barring(the, state, index, (x, y), placement.surface, turned)
+    after = barring(the, state, index, tuple(goal.xy[0]), goal.surface, narrow)
+    return min(len(a | b) for a in before for b in after)
+
+
 def random_sticks(rng: np.random.Generator, count: int) -> list[tuple[float, float]]:
     """Places on the left table, close to each other but apart."""
     found: list[tuple[float, float]] = []
@@ -186,6 +214,17 @@ def test_obstructions_agree_with_brute_force(tmp_path, seed) -> None:
     the = task(tmp_path, *entries)
     found = [obstructions(the.initial, Object(i)) for i in range(4)]
     assert found == [brute_force(the, the.initial, i) for i in range(4)]
+
+
+@pytest.mark.parametrize("shift", [(0.0, 0.02), (0.015, -0.01), (-0.01, 0.005)])
+def test_what_bars_both_ways_counts_once(tmp_path, shift) -> None:
+    """A stick inside a ring is to move by a little: one stick of the ring bars both ways."""
+    ring = [stick(f"r{i}", x, y) for i, (x, y) in enumerate(RING)]
+    goal = AT.format("a", 0.8 + shift[0], 0.6 + shift[1])
+    the = task(tmp_path, stick("a", 0.8, 0.6), *ring, goal)
+    found = obstructions(the.initial, Object(0))
+    assert found == fewest_to_move(the, the.initial, 0)
+    assert found < brute_force(the, the.initial, 0)
 
 
 def test_brute_force_has_seen_obstructions(tmp_path) -> None:
