@@ -14,7 +14,7 @@ from runtime.motion.motion import ArmMove, BaseMove, GripperMove
 from runtime.plan import Plan, PlanAction, TimedPiece
 from runtime.robot.model import RobotModel
 from runtime.scene.model import Scene
-from runtime.validation.geometry import ExactBoxes, Track
+from runtime.validation.geometry import ExactBoxes, Track, close_pairs
 from runtime.validation.goals import unmet
 from runtime.validation.skeleton import Skeleton
 
@@ -71,6 +71,7 @@ class _Replay:
         self.q = robot.home.copy()
         self.opening = robot.gripper.max_opening
         self.objects: list[Floats] = [self._start_pose(i) for i in range(len(scene.objects))]
+        self._standing: dict[int, tuple[Floats, Track]] = {}
         self.held: int | None = None
         self.in_tool = np.eye(4)
         self.statics = [
@@ -239,7 +240,7 @@ class _Replay:
             self._object_track(i) for i in range(len(self.objects)) if i not in {self.held, gripped}
         ]
         world = self.statics + standing
-        pairs = [(a, b) for a in robot for b in world]
+        pairs = close_pairs(robot, world)
         pairs += [
             (a, b)
             for i, a in enumerate(robot)
@@ -249,7 +250,7 @@ class _Replay:
         if self.held is not None and self.held != gripped:
             tool = links[skeleton.robot.urdf_tool]
             held = self._object_track(self.held, tool @ self.in_tool)
-            pairs += [(held, b) for b in world]
+            pairs += close_pairs([held], world)
             pairs += [(held, b) for b in robot if b.owner not in self.robot.gripper.links]
         hit = self.exact.first_hit(pairs)
         if hit is not None:
@@ -259,10 +260,16 @@ class _Replay:
     def _object_track(self, index: int, poses: Floats | None = None) -> Track:
         thing = self.scene.objects[index]
         if poses is None:
-            poses = self.objects[index][None]
+            known = self._standing.get(index)
+            if known is not None and known[0] is self.objects[index]:
+                return known[1]
         centre = np.eye(4)
         centre[2, 3] = thing.size[2] / 2
-        return Track(thing.name, thing.name, np.array(thing.size) / 2, poses @ centre)
+        placed = (self.objects[index][None] if poses is None else poses) @ centre
+        track = Track(thing.name, thing.name, np.array(thing.size) / 2, placed)
+        if poses is None:
+            self._standing[index] = self.objects[index], track
+        return track
 
     # -- gripping ----------------------------------------------------------------------------
 

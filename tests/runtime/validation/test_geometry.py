@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from runtime.validation.geometry import ExactBoxes, Track
+from runtime.validation.geometry import ExactBoxes, Track, close_pairs
 from tests.runtime.reference import Floats, homogeneous, random_pose
 
 
@@ -43,10 +43,30 @@ def test_boxes_of_one_size_are_told_apart() -> None:
 def test_bounds_hold_every_corner(rng) -> None:
     half = np.array([0.1, 0.2, 0.3])
     poses = np.array([homogeneous(random_pose(rng, 1.0)) for _ in range(50)])
-    centre, extent = Track("box", "box", half, poses).bounds()
+    centre, extent = Track("box", "box", half, poses).bounds
     corner: Floats
     for sx in (-1, 1):
         for sy in (-1, 1):
             for sz in (-1, 1):
                 corner = (poses @ [sx * 0.1, sy * 0.2, sz * 0.3, 1.0])[:, :3]
                 assert np.all(np.abs(corner - centre) <= extent + 1e-12)
+
+
+def test_pairs_that_touch_are_close(rng) -> None:
+    """Sorting out by bounds loses no contact."""
+
+    def random_track(samples: int) -> Track:
+        poses = np.array([homogeneous(random_pose(rng, 0.5)) for _ in range(samples)])
+        return Track("x", "x", rng.uniform(0.02, 0.15, 3), poses)
+
+    exact, dropped = ExactBoxes(), 0
+    for _ in range(20):
+        moving = [random_track(3) for _ in range(4)]
+        standing = [random_track(1) for _ in range(6)]
+        close = close_pairs(moving, standing)
+        for pair in ((a, b) for a in moving for b in standing):
+            if pair not in close:
+                dropped += 1
+                assert exact.first_hit([pair]) is None
+    assert dropped
+    assert close_pairs(moving, []) == []
