@@ -8,7 +8,11 @@ way of the base. A candidate that fails knows at which step.
 from __future__ import annotations
 
 import zlib
-from collections.abc import Sequence
+from collections import OrderedDict
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,8 +42,29 @@ from runtime.robot.urdf import invert
 REACH = 1.3
 """Metres around the base axis within which boxes matter to the arm."""
 
+REMEMBERED = 2000
+"""Answers about manipulations that are kept."""
+
+Answer = TypeVar("Answer", "Reach | None", "Motion | None")
+
 Target = tuple[int, Placement, Grasp]
 """An object, where it stands or is to stand, and the grasp."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Question:
+    """All that a manipulation depends on: where the robot stands, what it reaches for, and the
+    boxes around without and with that object, (w, 8) in the base frame."""
+
+    base: BasePose
+    target: Target
+    others: Floats
+    with_object: Floats
+
+    @cached_property
+    def key(self) -> object:
+        """Equal for the same question; another one as soon as something in reach has moved."""
+        return self.base, self.target, self.others.tobytes()
 
 
 class Executor:
@@ -51,6 +76,7 @@ class Executor:
         self.profile = profile or Profile()
         self.solver = ReachSolver(task.robot)
         self._roads: dict[object, BaseRoads] = {}
+        self._answers: OrderedDict[object, Reach | Motion | None] = OrderedDict()
 
     # -- step 1 --------------------------------------------------------------------------
 
@@ -79,28 +105,50 @@ class Executor:
         """A collision-free reach for a pick or place action, or None."""
         step = self.profile.inverse_kinematics
         with step.timed():
-            reach = self._reach(state, action, seeds)
+            question = self._question(state, action)
+            reach = self._known(
+                ("reach", seeds, question.key), lambda: self._reach(question, seeds)
+            )
         step.record(reach is not None)
         return reach
 
-    def _reach(self, state: State, action: Pick | Place, seeds: int) -> Reach | None:
+    def _question(self, state: State, action: Pick | Place) -> _Question:
         task = self.task
-        index, placement, grasp = target_of(state, action)
+        target = target_of(state, action)
+        index, placement, _ = target
+        x, y, yaw = state.base.pose
+        others = to_base_frame(task.world_rows(state, without=index), x, y, yaw, REACH)
+        row = task.object_row(index, placement)
+        own = to_base_frame(row[None], x, y, yaw, np.inf)
+        return _Question(state.base, target, others, np.vstack([others, own]))
+
+    def _known(self, key: object, compute: Callable[[], Answer]) -> Answer:
+        """The answer to a question that was asked before, or what `compute` gives."""
+        if key in self._answers:
+            self._answers.move_to_end(key)
+        else:
+            self._answers[key] = compute()
+            if len(self._answers) > REMEMBERED:
+                self._answers.popitem(last=False)
+        return cast("Answer", self._answers[key])
+
+    def _reach(self, question: _Question, seeds: int) -> Reach | None:
+        task = self.task
+        index, placement, grasp = question.target
         shape = task.shapes[index]
         hand = Hand.of(task.robot, shape, grasp)
         if hand is None:
             return None
-        x, y, yaw = state.base.pose
+        x, y, yaw = question.base.pose
         px, py, pyaw = placement.pose
         c, s = np.cos(yaw), np.sin(yaw)
         dx, dy = px - x, py - y
         rest = task.scene.surfaces[placement.surface].rest
         bottom = object_pose(c * dx + s * dy, c * dy - s * dx, pyaw - yaw, rest)
-        others = to_base_frame(task.world_rows(state, without=index), x, y, yaw, REACH)
-        row = task.scene.object_box(index, px, py, pyaw, placement.surface).row()
-        with_object = np.vstack([others, to_base_frame(row[None], x, y, yaw, np.inf)])
-        rng = np.random.default_rng(self._seed(state.base, placement, grasp))
-        return self.solver.solve(shape, hand, bottom, others, with_object, rng, seeds)
+        rng = np.random.default_rng(self._seed(question.base, placement, grasp))
+        return self.solver.solve(
+            shape, hand, bottom, question.others, question.with_object, rng, seeds
+        )
 
     def _seed(self, *parts: object) -> int:
         """A seed that depends on the question asked, not on what was asked before."""
@@ -116,7 +164,9 @@ class Executor:
                 motion = self._drive(state, action)
             else:
                 assert reach is not None
-                motion = self._manipulate(state, action, reach)
+                question, picks = self._question(state, action), isinstance(action, Pick)
+                key = ("motion", picks, reach.approach[-1].tobytes(), question.key)
+                motion = self._known(key, lambda: self._manipulate(question, reach, picks))
         step.record(motion is not None)
         return motion
 
@@ -158,25 +208,20 @@ class Executor:
         assert hand is not None, "a held object fits the gripper"
         return self.task.robot.body(hand.closed, held_box(shape, hand.tool_in_object))
 
-    def _manipulate(self, state: State, action: Pick | Place, reach: Reach) -> Motion | None:
-        task, robot = self.task, self.task.robot
-        index, placement, grasp = target_of(state, action)
-        x, y, yaw = state.base.pose
-        others = to_base_frame(task.world_rows(state, without=index), x, y, yaw, REACH)
-        px, py, pyaw = placement.pose
-        row = task.scene.object_box(index, px, py, pyaw, placement.surface).row()
-        with_object = np.vstack([others, to_base_frame(row[None], x, y, yaw, np.inf)])
-        box = held_box(task.shapes[index], invert(reach.grasp))
-        empty = ArmContext(robot, robot.body(reach.opening), with_object)
-        full = ArmContext(robot, robot.body(reach.closed, box), others)
-        seed = self._seed(state.base, placement, grasp, "motion")
+    def _manipulate(self, question: _Question, reach: Reach, picks: bool) -> Motion | None:
+        robot = self.task.robot
+        index, placement, grasp = question.target
+        box = held_box(self.task.shapes[index], invert(reach.grasp))
+        empty = ArmContext(robot, robot.body(reach.opening), question.with_object)
+        full = ArmContext(robot, robot.body(reach.closed, box), question.others)
+        seed = self._seed(question.base, placement, grasp, "motion")
         there = rrt.plan(empty, robot.home, reach.approach[0], seed)
         if there is None:
             return None
         back = rrt.plan(full, reach.retreat[-1], robot.home, seed + 1)
         if back is None:
             return None
-        if isinstance(action, Pick):
+        if picks:
             return (
                 GripperMove(reach.opening),
                 ArmMove(there, "free"),
