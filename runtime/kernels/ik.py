@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numba import njit
 
-from runtime.kernels.arm import forward, jacobian
+from runtime.kernels.arm import collides, forward, jacobian
 
 DAMPING = 0.05
 MAX_STEP = 0.5  # radians (metres) a joint may move in one iteration
@@ -147,3 +147,23 @@ def solve(origins, prismatic, lower, upper, tool, target, q, iterations):  # typ
                 dq = min(MAX_STEP, max(-MAX_STEP, dq))
                 q[k] = min(upper[k], max(lower[k], q[k] + dq))
     return False
+
+
+@njit(cache=True)
+def first_free(  # type: ignore[no-untyped-def]
+    origins, prismatic, lower, upper, tool, target, seeds, first, iterations,
+    box_frame, box_pose, box_half, box_radius, pairs, world, margin,
+):  # fmt: skip
+    """Solve from the seeds (s, n), in place, from number `first` on, until a solution is free
+    of collision: its number, or -1. All seeds in one call: most of them fail."""
+    frames = np.empty((seeds.shape[1] + 1, 3, 4))
+    placed = np.empty((box_frame.shape[0], 3, 4))
+    for i in range(first, seeds.shape[0]):
+        if solve(
+            origins, prismatic, lower, upper, tool, target, seeds[i], iterations
+        ) and not collides(
+            origins, prismatic, box_frame, box_pose, box_half, box_radius, pairs, world, margin,
+            seeds[i], frames, placed,
+        ):  # fmt: skip
+            return i
+    return -1

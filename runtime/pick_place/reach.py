@@ -108,19 +108,40 @@ class ReachSolver:
         """
         robot = self.robot
         target = compose(bottom, hand.tool_in_object)
-        for number in range(seeds):
-            if number % 2 == 0:
-                spread = 0.1 * number
-                q = robot.home + rng.normal(size=len(robot.home)) * spread
-                q = np.clip(q, robot.lower, robot.upper)
-            else:
-                q = rng.uniform(robot.lower, robot.upper)
-            if not self._ik(target, q, ITERATIONS):
-                continue
-            reach = self._lines(shape, hand, target, q, others, with_object)
+        empty = ArmContext(robot, robot.body(hand.opening), with_object)
+        starts = self._starts(rng, seeds)
+        number = -1
+        while True:
+            number = ik.first_free(
+                *robot.chain,
+                robot.lower,
+                robot.upper,
+                robot.tool,
+                target,
+                starts,
+                number + 1,
+                ITERATIONS,
+                *empty.body,
+                with_object,
+                CONTACT_MARGIN,
+            )
+            if number < 0:
+                return None
+            reach = self._lines(shape, hand, target, starts[number], empty, others)
             if reach is not None:
                 return reach
-        return None
+
+    def _starts(self, rng: np.random.Generator, number: int) -> Floats:
+        """Configurations (number, n) to start from."""
+        robot = self.robot
+        starts = np.empty((number, len(robot.home)))
+        for i in range(number):
+            if i % 2 == 0:
+                q = robot.home + rng.normal(size=len(robot.home)) * (0.1 * i)
+                starts[i] = np.clip(q, robot.lower, robot.upper)
+            else:
+                starts[i] = rng.uniform(robot.lower, robot.upper)
+        return starts
 
     def _ik(self, target: Pose, q: Floats, iterations: int) -> bool:
         robot = self.robot
@@ -135,13 +156,11 @@ class ReachSolver:
         hand: Hand,
         target: Pose,
         q: Floats,
+        empty: ArmContext,
         others: Floats,
-        with_object: Floats,
     ) -> Reach | None:
+        """The lines in, up and out through a free configuration at the grasp."""
         robot = self.robot
-        empty = ArmContext(robot, robot.body(hand.opening), with_object)
-        if empty.collides(q, CONTACT_MARGIN):
-            return None
         back = -APPROACH * target[:, 0]
         out = self._line(target, back, q)
         if out is None or not empty.path_is_free(out, CONTACT_MARGIN):

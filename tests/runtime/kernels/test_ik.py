@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from runtime.kernels import ik
+from runtime.motion.arm_context import ArmContext
 from runtime.robot.model import RobotModel
-from tests.runtime.reference import Floats, forward, homogeneous, turn_z
+from tests.runtime.reference import Floats, forward, homogeneous, random_uprights, turn_z
 
 
 def solve(robot: RobotModel, target: Floats, q: Floats, iterations: int = 60) -> bool:
@@ -82,3 +83,30 @@ def test_pose_error_is_the_rotation_vector(angle) -> None:
     assert np.linalg.norm(out[3:]) == pytest.approx(angle, abs=1e-6)
     if angle < math.pi - 1e-3:
         assert out[3:] == pytest.approx([0.0, 0.0, angle], abs=1e-6)
+
+
+def test_the_first_free_solution_is_that_of_trying_one_after_the_other(robot, rng) -> None:
+    """Also when it goes on after one that did not serve."""
+    body = robot.body(0.05)
+    found = []
+    for _ in range(30):
+        world = random_uprights(rng, 3, 1.0)
+        target = tool_pose(robot, rng.uniform(robot.lower, robot.upper))
+        seeds = rng.uniform(robot.lower, robot.upper, (6, len(robot.home)))
+        context = ArmContext(robot, body, world)
+        expected = []
+        for i, seed in enumerate(seeds):
+            q = seed.copy()
+            if solve(robot, target, q, 60) and not context.collides(q, 0.001):
+                expected.append((i, q))
+        number = -1
+        for i, q in [*expected, (-1, None)]:
+            number = ik.first_free(
+                *robot.chain, robot.lower, robot.upper, robot.tool, target, seeds, number + 1, 60,
+                *body, world, 0.001,
+            )  # fmt: skip
+            assert number == i
+            if q is not None:
+                assert np.array_equal(seeds[number], q)
+        found.append(len(expected))
+    assert max(found) > 1
