@@ -38,7 +38,8 @@ BASES = 7
 
 DOUBT = 2
 """From this attempt on the features' estimate of what bars the way is no longer believed, and
-every grasp, placement and base pose can be sampled."""
+every grasp, placement and base pose can be sampled; after it, with an object in the gripper,
+other objects as well."""
 
 ROUNDS = 3
 """So many base poses for the same grasp, where there are few grasps."""
@@ -121,10 +122,10 @@ class Sampler:
                     goals = self._goal_placements_with(state, index, grasp, scale, rng)
                     places += goals
                     wanted += [[(placement, grasp)] for placement in goals + aside]
-            if self._doubting:
+            if attempt > DOUBT:
                 picks += self._picks(state, attempt, rng)
         bases = self._bases(state, wanted, scale, rng)
-        placed = None if self._doubting else state.held
+        placed = state.held if attempt <= DOUBT else None
         return Samples(self.executor, tuple(bases), tuple(picks), tuple(places), placed)
 
     # -- grasps --------------------------------------------------------------------------

@@ -16,8 +16,9 @@ from __future__ import annotations
 
 import heapq
 from collections import defaultdict, deque
-from collections.abc import Hashable, Iterator
+from collections.abc import Hashable, Iterable, Iterator
 from dataclasses import dataclass, field
+from itertools import count
 
 from runtime.search.novelty import new_tuples
 from runtime.search.problem import Action, Motion, State
@@ -36,13 +37,17 @@ class Edge:
 
 @dataclass(eq=False)
 class LazyNode:
-    """A state, the live edges that lead to it and away from it, and what became of it."""
+    """A state, the live edges that lead to it and away from it, and what became of it.
+
+    `tree` is the last edge of a shortest known path from the root, `depth` its length.
+    """
 
     state: State
     tuples: tuple[Hashable, ...]
     rule: str | None = None
     parents: list[Edge] = field(default_factory=list)
     children: list[Edge] = field(default_factory=list)
+    tree: Edge | None = None
     depth: int = 0
     connected: bool = True
     queued: bool = False
@@ -113,12 +118,13 @@ class LazyIW:
             node.children.append(edge)
             child.parents.append(edge)
             if not known:
+                child.tree = edge
                 if self._support(child):
                     self._push(child)
                 if child.rule is not None:
                     self.candidates.append(child)
-            elif not child.connected:
-                self._reconnect()
+            else:
+                self._rejoin(edge)
             if self.candidates:
                 yield
 
@@ -132,36 +138,51 @@ class LazyIW:
         """Remove an edge whose action is not executable, and what hangs on it alone."""
         edge.parent.children.remove(edge)
         edge.child.parents.remove(edge)
-        self._reconnect()
-
-    def _reconnect(self) -> None:
-        """Find anew which nodes hang together with the root, and how deep; then repair
-        the support of atoms."""
-        before = [node for node in self.nodes.values() if node.connected]
-        for node in self.nodes.values():
-            node.connected = False
-        self.root.connected = True
-        layer = [self.root]
-        while layer:
-            following = []
-            for node in layer:
-                for edge in node.children:
-                    child = edge.child
-                    if not child.connected:
-                        child.connected = True
-                        child.depth = node.depth + 1
-                        following.append(child)
-            layer = following
-        was_connected = set(before)
-        for node in before:
+        if edge.child.tree is not edge:
+            return
+        lost = self._subtree(edge.child)
+        for node in lost:
+            node.connected, node.tree = False, None
+        self._attach(edge for node in lost for edge in node.parents)
+        for node in lost:
             if not node.connected:
                 for item in node.tuples:
                     self._recover(item)
-        for node in self.nodes.values():
-            if node.rule is not None and node.connected and node not in was_connected:
+
+    def _subtree(self, node: LazyNode) -> list[LazyNode]:
+        """The nodes whose shortest known path from the root leads through a node."""
+        found = [node]
+        for known in found:
+            found += [edge.child for edge in known.children if edge.child.tree is edge]
+        return found
+
+    def _attach(self, edges: Iterable[Edge]) -> list[LazyNode]:
+        """Connect what some edges, and those that follow, connect to the root, by shortest
+        paths (Dijkstra's algorithm; nodes that nothing changes for are not visited). Returns
+        the nodes that were not connected before."""
+        number = count()
+        queue = [(e.parent.depth + 1, next(number), e) for e in edges if e.parent.connected]
+        heapq.heapify(queue)
+        joined = []
+        while queue:
+            depth, _, edge = heapq.heappop(queue)
+            node = edge.child
+            if node.connected and node.depth <= depth:
+                continue
+            if not node.connected:
+                joined.append(node)
+            node.connected, node.depth, node.tree = True, depth, edge
+            for onwards in node.children:
+                if not onwards.child.connected or onwards.child.depth > depth + 1:
+                    heapq.heappush(queue, (depth + 1, next(number), onwards))
+        return joined
+
+    def _rejoin(self, edge: Edge) -> None:
+        """Take a node that was cut off, and what hangs on it, into the search again."""
+        for node in self._attach([edge]):
+            if node.rule is not None:
                 self.candidates.append(node)
-        for node in self.nodes.values():
-            if node.connected and not node.expanded and self._is_main(node):
+            if self._is_main(node):
                 self._push(node)
 
     # -- novelty -----------------------------------------------------------------------------

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from runtime.search.iw import iw
-from runtime.search.lazy_iw import LazyIW
+from runtime.search.lazy_iw import Edge, LazyIW
 from runtime.search.limits import Limits
 from runtime.search.query import Query
 
@@ -129,3 +129,45 @@ def test_a_pruned_node_is_recovered_when_its_atom_loses_its_supporter() -> None:
     found = lazy(graph, own_atoms=False)
     assert found is not None
     assert [edge.child.state for edge in found[0]] == [2, 3]
+
+
+class Checked(LazyIW):
+    """Compares what is kept up to date with a plain breadth-first search after every cut."""
+
+    cuts = 0
+
+    def _cut(self, edge: Edge) -> None:
+        super()._cut(edge)
+        Checked.cuts += 1
+        depth, queue = {self.root: 0}, deque([self.root])
+        while queue:
+            node = queue.popleft()
+            for onwards in node.children:
+                if onwards.child not in depth:
+                    depth[onwards.child] = depth[node] + 1
+                    queue.append(onwards.child)
+        for node in self.nodes.values():
+            assert node.connected == (node in depth)
+            if node.connected and node is not self.root:
+                assert node.depth == depth[node]
+                assert node.tree in node.parents
+                assert node.tree is not None
+                assert node.tree.parent.depth == node.depth - 1
+            supports = any(self._main(item) is node for item in node.tuples)
+            if node.connected and supports:
+                assert node.expanded or node.queued
+
+
+@settings(max_examples=300)
+@given(st.integers(0, 10**6), st.integers(3, 25), st.booleans())
+def test_after_every_cut_the_graph_is_as_if_searched_anew(seed, size, own_atoms) -> None:
+    graph = Graph(seed, size, 2)
+    graph.barred |= {(a, b) for a in range(size) for b in graph.edges[a] if (a + b) % 3 == 0}
+    guide: Any = Guide(graph, own_atoms)
+    Checked(Query(guide, graph, 0, (0,), 1, Limits())).run()
+
+
+def test_the_check_has_seen_cuts() -> None:
+    before = Checked.cuts
+    test_after_every_cut_the_graph_is_as_if_searched_anew()
+    assert Checked.cuts > before + 100
