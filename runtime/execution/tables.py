@@ -19,7 +19,7 @@ from runtime.pick_place.document import document
 from runtime.pick_place.problem import PickPlaceProblem
 from runtime.pick_place.task import Task
 from runtime.plan import Plan
-from runtime.robot.load import built_in_robots, load_robot
+from runtime.robot.load import DEFAULT_ROBOT, load_robot
 from runtime.scene.library import find_scene
 from runtime.scene.load import load_scene
 from runtime.search.limits import Limits
@@ -46,7 +46,7 @@ SCENES = (
 def planned(scene_name: str, seed: int) -> Trace:
     """The trace of a plan made now, for the first built-in robot."""
     path, name = find_scene(scene_name)
-    scene, robot = load_scene(path, name), load_robot(built_in_robots()[0])
+    scene, robot = load_scene(path, name), load_robot(DEFAULT_ROBOT)
     task = Task(scene, robot)
     compiled = compile_sketch(load_sketch(SKETCH).checked)
     outcome = lazy_siiw_r(
@@ -94,7 +94,7 @@ def open_loop(scenes: Sequence[str] = SCENES, seeds: Sequence[int] = range(5)) -
 def closed_loop(kinds: Sequence[str] = KINDS, seeds: Sequence[int] = range(10)) -> None:
     """Execute the sketch in `sorting/4t-07` with each kind of disturbance."""
     path, name = find_scene("sorting/4t-07")
-    scene, robot = load_scene(path, name), load_robot(built_in_robots()[0])
+    scene, robot = load_scene(path, name), load_robot(DEFAULT_ROBOT)
     compiled = compile_sketch(load_sketch(SKETCH).checked)
     text = load_trace_sketch(SKETCH)
     print("| disturbance | runs | disturbed | goal reached | touches of sensed objects | subplans |"

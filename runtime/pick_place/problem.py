@@ -18,7 +18,7 @@ from runtime.pick_place.sampling import Sampler, Samples
 from runtime.pick_place.state import Action, MoveBase, State
 from runtime.pick_place.task import Task
 from runtime.plan import write_plan
-from runtime.robot.load import load_robot
+from runtime.robot.load import DEFAULT_ROBOT, load_robot
 from runtime.scene.load import load_scene
 from runtime.search.guide import Subgoal
 from runtime.search.siw_r import Outcome
@@ -146,5 +146,5 @@ def load_problem(path: str, options: Mapping[str, object]) -> PickPlaceProblem:
         InputError: the scene or the robot is not as it should be.
     """
     scene = load_scene(Path(path), str(options.get("name") or Path(path).stem))
-    robot = load_robot(str(options.get("robot") or "tiago"))
+    robot = load_robot(str(options.get("robot") or DEFAULT_ROBOT))
     return PickPlaceProblem(Task(scene, robot), int(str(options.get("seed", 0))))

@@ -23,6 +23,7 @@ from runtime.robot.urdf import Box, Joint, Pose, Urdf, compose, identity, invert
 from runtime.tables import Table, read_toml
 
 BUILT_IN = Path(__file__).parent
+DEFAULT_ROBOT = "tiago"
 
 
 def built_in_robots() -> list[str]:

@@ -149,7 +149,7 @@ def _closed(
         fail("only sketches of the domain tabletop can be executed")
     try:
         from runtime.execution.closed_loop import ClosedLoop
-        from runtime.robot.load import built_in_robots, load_robot
+        from runtime.robot.load import DEFAULT_ROBOT, load_robot
         from runtime.scene.library import find_scene
         from runtime.scene.load import load_scene
         from runtime.trace.sketch import trace_sketch
@@ -160,7 +160,7 @@ def _closed(
             compile_sketch(loaded.checked),
             trace_sketch(loaded),
             load_scene(path, name),
-            load_robot(robot or built_in_robots()[0]),
+            load_robot(robot or DEFAULT_ROBOT),
             seed,
             disturbance,
             gui,

@@ -47,7 +47,7 @@ Examples:
     show_default=True,
     help="Largest width k of IW(k).",
 )
-@click.option("--robot", default="tiago", show_default=True, help="Name or robot file (.toml).")
+@click.option("--robot", help="Name or robot file (.toml), where the domain has robots.")
 @click.option("--out", type=click.Path(path_type=Path, dir_okay=False), help="Write the plan here.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else.")
 @domain_option
@@ -59,7 +59,7 @@ def command(
     seed: int,
     timeout: float,
     k_max: int,
-    robot: str,
+    robot: str | None,
     out: Path | None,
     as_json: bool,
     domain_file: str | None,
@@ -93,7 +93,7 @@ def _run(
     seed: int,
     timeout: float,
     k_max: int,
-    robot: str,
+    robot: str | None,
     out: Path | None,
     as_json: bool,
 ) -> dict[str, Any]:
@@ -119,7 +119,10 @@ def _run(
         raise InputError(f"there is no folder {str(out.parent)!r}", place=str(out))
     compiled = compile_sketch(checked)
     path, name = find_scene(scene)
-    problem = searchable(_load(checked.domain, path, {"seed": seed, "robot": robot, "name": name}))
+    options = Options(seed=seed, name=name, robot=robot)
+    problem = searchable(_load(checked.domain, path, options))
+    if robot is not None and "robot" not in options.asked:
+        fail(f"--robot: the domain {checked.domain.name} has no robots")
     planner = planner or DEFAULT
     say = Speaker(quiet=as_json)
     say(f"{compiled.model.name} on {name}, planner {planner}, seed {seed}")
@@ -145,10 +148,28 @@ def _run(
             click.echo(line)
         if out is not None and outcome.solved:
             click.echo(f"plan written to {out}")
+        elif out is not None and out.exists():
+            click.echo(f"{out} was there before and is left as it was")
     return report
 
 
-def _load(domain: Any, path: Path, options: dict[str, object]) -> Any:
+class Options(dict[str, object]):
+    """Options for a domain's loader; remembers which ones it asked for."""
+
+    def __init__(self, **options: object) -> None:
+        super().__init__(options)
+        self.asked: set[str] = set()
+
+    def __getitem__(self, key: str) -> object:
+        self.asked.add(key)
+        return super().__getitem__(key)
+
+    def get(self, key: str, default: object = None) -> object:
+        self.asked.add(key)
+        return super().get(key, default)
+
+
+def _load(domain: Any, path: Path, options: Options) -> Any:
     """The problem of a scene; what goes wrong in a domain's own code is said, not raised."""
     from runtime.errors import InputError
     from sketchlang.domain import SceneError

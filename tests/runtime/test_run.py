@@ -241,6 +241,22 @@ def test_an_object_in_a_table_is_refused_with_place_and_hint(tmp_path) -> None:
     assert "hint: " in said
 
 
+def test_a_robot_for_a_domain_without_robots_is_refused() -> None:
+    found = CliRunner().invoke(run, ["delivery_policy", "delivery/one", "--robot", "tiago"])
+    assert found.exit_code == 2
+    assert "no robots" in found.output
+    assert CliRunner().invoke(run, ["delivery_policy", "delivery/one"]).exit_code == 0
+
+
+def test_an_older_plan_is_left_alone_where_none_is_found(tmp_path) -> None:
+    scene, older = write_scene(tmp_path, UNREACHABLE), tmp_path / "plan.json"
+    older.write_text("older")
+    found = plan(str(scene), "--timeout", "0.5", "--out", str(older))
+    assert found.exit_code == 1
+    assert "left as it was" in found.output
+    assert older.read_text() == "older"
+
+
 def test_a_robot_that_starts_in_a_table_is_refused(tmp_path) -> None:
     scene = write_scene(tmp_path, SCENE.replace("[-0.5, 0.0, 0.0]", "[0.8, 0.6, 0.0]"))
     said = bad("pick_and_place", str(scene))
