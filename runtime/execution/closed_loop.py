@@ -17,11 +17,10 @@ from runtime.execution.physics import Physics
 from runtime.execution.recorder import Recorder
 from runtime.execution.sensing import LOOKS, LostError, Seen, Senses, state_of
 from runtime.execution.subplan import next_subgoal, plan_of
-from runtime.kernels.boxes import to_base_frame
-from runtime.motion.arm_context import ArmContext
-from runtime.pick_place.executability import REACH
+from runtime.execution.watch import Watcher
+from runtime.execution.ways import Ways
 from runtime.pick_place.problem import PickPlaceProblem
-from runtime.pick_place.state import Grasp, Pick, State
+from runtime.pick_place.state import Grasp, Pick
 from runtime.pick_place.task import Task
 from runtime.robot.model import RobotModel
 from runtime.scene.model import Obstacle, Scene, UprightBox
@@ -29,14 +28,17 @@ from runtime.search.guide import Guide
 from runtime.search.limits import Limits
 from runtime.trace.kinematics import pose_of
 from runtime.trace.make import Start, trace_of_plan, trace_robot
-from runtime.trace.model import Trace, TraceSketch
+from runtime.trace.model import Trace, TraceAction, TraceSketch
 from sketchlang.compile import CompiledSketch
 
 ROUNDS = 200
 """Subplans after which an execution that does not come to an end is given up."""
 
-MOVED = 0.015
-"""Metres from where it was planned with, beyond which an object counts as moved."""
+RESTED = 0.001
+"""Metres that an object may move between two looks and count as at rest."""
+
+PATIENCE = 3.0
+"""Seconds after which a robot that waits for objects to come to rest goes on."""
 
 
 @dataclass(frozen=True)
@@ -68,7 +70,7 @@ class ClosedLoop:
         self.compiled, self.text, self.robot, self.seed = compiled, text, robot, seed
         self.physics = Physics(scene, trace_robot(robot), gui)
         self.recorder = Recorder(self.physics)
-        self.follower = Follower(self.physics, self.recorder)
+        self.follower = Follower(self.physics, self.recorder, robot.acceleration)
         self.disturber = Disturber(disturbance, seed, self.follower)
         self.follower.grasp_fails = self.disturber.grasp_fails
         self.senses = Senses(self.physics, self.disturber)
@@ -128,7 +130,7 @@ class ClosedLoop:
             grasp = picks[-1].grasp if picks else self.grasp
             plan = plan_of(self.problem, self.guide, state, subgoal)
             like = trace_of_plan(plan, self.scene, self.robot, self.text, self._start(seen))
-            reason = self._carry_out(like, seen, state)
+            reason = self._carry_out(like, seen)
             self.grasp = grasp if self.physics.held is not None else None
             if reason is not None:
                 return like, reason
@@ -143,24 +145,57 @@ class ClosedLoop:
 
     # -- one subplan ---------------------------------------------------------------------------
 
-    def _carry_out(self, trace: Trace, seen: Seen, state: State) -> str | None:
+    def _carry_out(self, trace: Trace, seen: Seen) -> str | None:
         """Follow a subplan as long as the world is as it was when it was planned. A reason
-        where the robot cannot even go home."""
+        where the arm cannot even go home."""
         for number, action in enumerate(trace.actions):
-            watcher = _Watcher(self, trace, number, seen)
+            ways = None if action.name == "move_base" else self._ways()
+            watcher = Watcher(trace, number, seen, self.scene, self.disturber, self.senses, ways)
             end = self.follower.follow(trace, watcher, action.start, action.end)
-            if watcher.surprise is not None and watcher.back:
-                if not watcher.way_is_free(action.start, end):
-                    return f"the arm can go neither on nor back: {watcher.surprise}"
-                self.follower.go_back(trace, action.start, end)
-            if watcher.surprise is not None:
+            surprise = watcher.surprise
+            if self.follower.lost is not None:
+                surprise = f"{self.follower.names[self.follower.lost]} is not in the gripper"
+            if surprise is not None:
+                if not self._come_home(trace, action, end):
+                    return f"the arm finds no way home: {surprise}"
                 self.broken_off += 1
-                self.recorder.event("replan", watcher.surprise)
+                self.recorder.event("replan", surprise)
                 break
             if action.name in {"pick", "place"}:
                 seen = self.senses.look()  # from now on the object is elsewhere, as planned
         self._look_around()
         return None
+
+    def _come_home(self, trace: Trace, action: TraceAction, end: float) -> bool:
+        """Bring the arm home from where an action stopped, once everything has come to rest;
+        False where no way is free."""
+        if self.follower.lost is not None:
+            self._wait_for_rest()
+        self.follower.let_fall()
+        if action.name == "move_base" or end >= action.end:
+            return True
+        way = self._ways().home(trace, action.start, end)
+        if way is None:
+            return False
+        opening, joints = way
+        self.follower.move_fingers(opening)
+        self.follower.move_arm(trace, joints)
+        return True
+
+    def _wait_for_rest(self) -> None:
+        """Wait until objects are seen where they were a moment ago."""
+        least = RESTED + 4 * self.disturber.noise / 3
+        before = self.senses.look(LOOKS)
+        for _ in range(round(PATIENCE / CHECK)):
+            self.follower.wait(CHECK)
+            now = self.senses.look(LOOKS)
+            pairs = zip(before.objects, now.objects, strict=True)
+            if all(np.linalg.norm(a[:3] - b[:3]) < least for a, b in pairs):
+                return
+            before = now
+
+    def _ways(self) -> Ways:
+        return Ways(self.robot, self.scene, self.senses, self.seed)
 
     def _look_around(self) -> None:
         """Add obstacles that came into view to what is known."""
@@ -172,64 +207,3 @@ class ClosedLoop:
         )
         if new:
             self._know(replace(self.scene, obstacles=self.scene.obstacles + new))
-
-
-class _Watcher:
-    """Looks at the world while an action is carried out."""
-
-    def __init__(self, loop: ClosedLoop, trace: Trace, number: int, seen: Seen) -> None:
-        self.loop, self.trace, self.number, self.seen = loop, trace, number, seen
-        self.action = trace.actions[number]
-        self.surprise: str | None = None
-        self.back = False  # the arm must go back, as its way on is barred
-
-    def __call__(self, time: float) -> str | None:
-        loop = self.loop
-        loop.disturber.act(loop.scene, self.trace, self.number, time)
-        if self.surprise is None:
-            self.surprise = self._surprise(time)
-            if self.surprise is None:
-                return None
-        if self.action.name == "move_base":
-            return self.surprise
-        # The arm ends its action, and so comes home, unless something now is in its way.
-        self.back = not self.way_is_free(time, self.action.end)
-        return self.surprise if self.back else None
-
-    def _surprise(self, time: float) -> str | None:
-        loop, names = self.loop, [thing.name for thing in self.loop.scene.objects]
-        known = {obstacle.name for obstacle in loop.scene.obstacles}
-        for name, *_ in loop.disturber.obstacles:
-            if name not in known:
-                return f"{name} is in view"
-        now = loop.senses.look(LOOKS)
-        own = names.index(self.action.object) if self.action.object is not None else None
-        span = None if own is None else self.trace.span(own, time)
-        letting_go = any(g.start <= time <= g.time and not g.attach for g in self.trace.grips)
-        if own is not None and span is not None and span.frame != "world" and not letting_go:
-            closing = any(0 <= time - g.time <= CHECK for g in self.trace.grips)
-            if now.held != own and not closing:
-                return f"{names[own]} is not in the gripper"
-        if self.seen.held is not None and now.held is None and own is None:
-            return f"{names[self.seen.held]} is no longer in the gripper"
-        for index, (before, after) in enumerate(zip(self.seen.objects, now.objects, strict=True)):
-            if index in {own, now.held, self.seen.held}:
-                continue
-            if np.linalg.norm(before[:3] - after[:3]) > MOVED + 4 * loop.disturber.noise / 3:
-                return f"{names[index]} has moved"
-        return None
-
-    def way_is_free(self, start: float, end: float) -> bool:
-        """Whether the arm's way in a stretch of the trace touches nothing that stands, as it is
-        seen now; with the fingers as they are."""
-        loop = self.loop
-        now = loop.senses.look(LOOKS)
-        try:
-            state = state_of(loop.problem.task, now, loop.grasp)
-        except LostError:
-            return True  # it lies under the arm, which goes up and home; the round after tells
-        x, y, yaw = now.base
-        rows = to_base_frame(loop.problem.task.world_rows(state), x, y, yaw, REACH)
-        context = ArmContext(loop.robot, loop.robot.body(loop.physics.opening()), rows)
-        path = self.trace.joints.at(np.arange(start, end, 0.05))[0]
-        return not any(context.collides(q, 0.0) for q in path)

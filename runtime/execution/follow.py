@@ -22,14 +22,20 @@ GRASP_PATIENCE = 0.5
 BRAKING = 1.4
 """Seconds from full speed to rest, along the path, where a drive is broken off."""
 
-ARM_BRAKING = 0.4
-"""The same for the arm, which is lighter."""
+ARM_BRAKING = 0.5
+"""The same for the arm, at most: it brakes as hard as its joints can."""
+
+LEAST_BRAKING = 0.05
+"""Seconds that braking takes at least, however slow the arm is."""
 
 CHECK = 0.1
 """Seconds between looks at contacts, and at what a watcher sees."""
 
 SPRUNG = 0.008
 """Metres by which fingers open that lose their grip: as far as they were before it."""
+
+FINGER_TIME = 0.5
+"""Seconds in which the fingers open when they are told to outside of a trace."""
 
 Watcher = Callable[[float], "str | None"]
 """Asked every `CHECK` seconds with the time in the trace; a reason to stop, or None."""
@@ -55,16 +61,23 @@ class Touch:
 
 
 class Follower:
-    """Follows traces one after the other in one simulation, and keeps the books."""
+    """Follows traces one after the other in one simulation, and keeps the books.
 
-    def __init__(self, physics: Physics, recorder: Recorder) -> None:
-        self.physics, self.recorder = physics, recorder
+    `acceleration` (n,) of the planning joints says how hard the arm can brake.
+    """
+
+    def __init__(
+        self, physics: Physics, recorder: Recorder, acceleration: Floats | None = None
+    ) -> None:
+        self.physics, self.recorder, self.acceleration = physics, recorder, acceleration
         self.tracking = Tracking()
         self.slips: list[Slip] = []
         self.touches: list[Touch] = []
         self.names = [thing.name for thing in physics.scene.objects]
         self.grasp_fails: Callable[[], bool] = lambda: False
         """Asked when the fingers close; true where a disturbance keeps them open."""
+        self.lost: int | None = None
+        """What the fingers should hold and do not, until somebody has dealt with it."""
         self._target = np.concatenate([physics.scene.robot_start, physics.robot.home])
         self._opening = physics.robot.max_opening
         self._in_tool: Floats | None = None
@@ -84,8 +97,11 @@ class Follower:
         start: float = 0.0,
         stop: float | None = None,
     ) -> float:
-        """Follow a trace from a time to another; returns the time in the trace where it ended,
-        earlier than wanted where the watcher had it stopped."""
+        """Follow a trace from a time to another; returns the time in the trace where it ended.
+
+        That is earlier than wanted where the watcher had it stopped, or where it is watched
+        and a grasp was lost: fingers feel that at once, and the robot stops by reflex.
+        """
         stop = trace.duration if stop is None else stop
         steps = max(1, math.ceil((stop - start) / STEP))
         times = np.minimum(start + np.arange(steps + 1) * STEP, stop)
@@ -96,18 +112,21 @@ class Follower:
         # Headings of a trace are not wrapped; the motor's may be off by whole turns.
         target[:, 2] += 2 * math.pi * round((self._target[2] - target[0, 2]) / (2 * math.pi))
         grips = [grip for grip in trace.grips if start + 1e-9 < grip.time <= stop + 1e-9]
-        clock, rate, braking, checked = 0.0, 1.0, False, -1.0
+        clock, rate, braking, checked = 0.0, 1.0, 0.0, -1.0
         marks = [(start, self.physics.time)]
         while clock < steps and rate > 0:
             now = start + clock * STEP
             if grips and self._handle(grips[0], now, marks):
                 grips.pop(0)
-            if watch is not None and self.physics.time - checked >= CHECK and not braking:
-                checked = self.physics.time
-                braking = watch(now) is not None
+            if watch is not None and not braking:
+                stops = False
+                if self.physics.time - checked >= CHECK:
+                    checked = self.physics.time
+                    stops = watch(now) is not None
+                if stops or self.lost is not None:
+                    braking = self._braking(speed[min(int(clock), steps)])
             if braking:
-                driving = bool(base_speed[min(int(clock), steps)].any())
-                rate = max(0.0, rate - STEP / (BRAKING if driving else ARM_BRAKING))
+                rate = max(0.0, rate - STEP / braking)
             clock = min(float(steps), clock + rate)
             whole = min(int(clock), steps - 1)
             share = clock - whole
@@ -120,8 +139,17 @@ class Follower:
         marks.append((end, self.physics.time))
         if end >= stop:
             self._kept = None
-        self._keep_books(trace, marks, start, end)
+        self.recorder.enter(trace, marks, start, end)
         return end
+
+    def _braking(self, speed: Floats) -> float:
+        """Seconds from a speed (3 + n,) of base and joints to rest."""
+        if speed[:3].any():
+            return BRAKING
+        if self.acceleration is None:
+            return ARM_BRAKING
+        hardest = float((np.abs(speed[3:]) / self.acceleration).max())
+        return min(ARM_BRAKING, max(LEAST_BRAKING, hardest))
 
     def _step(self, target: Floats, speed: Floats, grip: Grip | None) -> None:
         physics = self.physics
@@ -130,6 +158,7 @@ class Follower:
         held = physics.held
         if not physics.step() and held is not None:
             self._slipped(held, "the grasp broke")
+            self.lost = held
         count = round(physics.time / STEP)
         if self._letting is not None and not physics.touching_fingers(self._letting):
             self._letting = None
@@ -154,26 +183,37 @@ class Follower:
         assert self.physics.held is not None
         return matrix(self.physics.object_pose(self.physics.held))
 
-    def go_back(self, trace: Trace, start: float, end: float) -> None:
-        """From where the arm is at `end` of a trace, back on its way to where it was at `start`;
-        the fingers stay as they are."""
-        times = np.linspace(start, end, max(2, math.ceil((end - start) / 0.05)))
-        values, speeds = trace.joints.at(times)
-        speeds[-1] = 0.0
+    # -- outside of plans ----------------------------------------------------------------------
+
+    def move_arm(self, trace: Trace, joints: Track) -> None:
+        """Move the planning joints from time 0 of a track to its end; base and fingers stay."""
         still = np.array([0.0])
-        self._kept = self.physics.opening()
+        self._kept = self._opening if self.physics.held is None else self.physics.opening()
         self.follow(
             replace(
                 trace,
-                duration=end - start,
+                duration=float(joints.times[-1]),
                 subgoals=(),
                 actions=(),
                 grips=(),
                 base=Track(still, self._target[None, :3], np.zeros((1, 3))),
-                joints=Track((end - times)[::-1], values[::-1], -speeds[::-1]),
+                joints=joints,
                 opening=Track(still, np.array([[self._kept]]), np.zeros((1, 1))),
             )
         )
+
+    def let_fall(self) -> None:
+        """What was lost has come to rest: from now on fingers that touch it touch it."""
+        if self.lost is not None:
+            self.lost = self._letting = None
+
+    def move_fingers(self, opening: float) -> None:
+        """Move the fingers, metres apart, and nothing else."""
+        self.physics.squeezing = False  # a grasp that was broken off
+        begin = self.physics.opening()
+        for share in np.linspace(0.0, 1.0, round(FINGER_TIME / STEP)):
+            self._opening = float(begin + share * (opening - begin))
+            self._step(self._target, np.zeros(len(self._target)), None)
 
     # -- grips ---------------------------------------------------------------------------------
 
@@ -203,6 +243,7 @@ class Follower:
         if physics.held is None:
             physics.release()
             self._slipped(index, "the fingers did not hold it")
+            self.lost = index
         else:
             self._in_tool = np.linalg.inv(physics.tool_matrix()) @ matrix(
                 physics.object_pose(index)
@@ -223,7 +264,7 @@ class Follower:
     def lose_grip(self) -> None:
         """Open the fingers a little, as nobody asked for, until the end of the action."""
         self._kept = self.physics.opening() + SPRUNG
-        self._letting = self.physics.held
+        self._letting = self.lost = self.physics.held
         self._in_tool = None
         self.physics.release()
 
@@ -232,36 +273,3 @@ class Follower:
         self.slips.append(Slip(self.physics.time, name, what))
         self.recorder.event("slip", f"{name}: {what}")
         self._in_tool = None
-
-    # -- books ---------------------------------------------------------------------------------
-
-    def _keep_books(
-        self, trace: Trace, marks: list[tuple[float, float]], start: float, end: float
-    ) -> None:
-        """Enter what was done of a trace, at the times at which it was."""
-        known, real = np.array(marks).T
-
-        def when(time: float) -> float:
-            return float(np.interp(min(time, end), known, real))
-
-        first = len(self.recorder.subgoals)
-        if start == 0.0:
-            self.recorder.subgoals += [
-                replace(subgoal, start=when(subgoal.start), end=when(subgoal.end))
-                for subgoal in trace.subgoals
-            ]
-        self.recorder.actions += [
-            replace(
-                action,
-                start=when(action.start),
-                end=when(action.end),
-                subgoal=first + action.subgoal,
-            )
-            for action in trace.actions
-            if start <= action.start <= end
-        ]
-        self.recorder.grips += [
-            replace(grip, start=when(grip.start), time=when(grip.time))
-            for grip in trace.grips
-            if start < grip.time <= end
-        ]

@@ -35,6 +35,7 @@ class Recorder:
         self._object_times: list[list[float]] = [[] for _ in range(count)]
         self._object_poses: list[list[Floats]] = [[] for _ in range(count)]
         self._seen = [0.0] * count
+        self._entered: Trace | None = None  # the trace of the last subgoals
 
     def event(self, kind: str, text: str) -> None:
         """Note that something happened now."""
@@ -63,6 +64,39 @@ class Recorder:
             times.append(now)
             poses.append(pose)
         self._seen[index] = now
+
+    def enter(
+        self, trace: Trace, marks: list[tuple[float, float]], start: float, end: float
+    ) -> None:
+        """Enter what was done of a trace from `start` to `end`, at the times at which it was;
+        `marks` are pairs of a time in the trace and the time at which it was reached."""
+        known, real = np.array(marks).T
+
+        def when(time: float) -> float:
+            return float(np.interp(min(time, end), known, real))
+
+        if trace is not self._entered and trace.subgoals:
+            self._entered = trace
+            self.subgoals += [replace(s, start=when(s.start)) for s in trace.subgoals]
+        first = len(self.subgoals) - len(trace.subgoals)
+        for number, subgoal in enumerate(trace.subgoals, first):
+            if subgoal.end > start:  # one that is followed action by action ends with the last
+                self.subgoals[number] = replace(self.subgoals[number], end=when(subgoal.end))
+        self.actions += [
+            replace(
+                action,
+                start=when(action.start),
+                end=when(action.end),
+                subgoal=first + action.subgoal,
+            )
+            for action in trace.actions
+            if start <= action.start <= end
+        ]
+        self.grips += [
+            replace(grip, start=when(grip.start), time=when(grip.time))
+            for grip in trace.grips
+            if start < grip.time <= end
+        ]
 
     def trace(self, like: Trace) -> Trace:
         """Everything so far, with the sketch, scene and robot of another trace."""

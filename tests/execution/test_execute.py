@@ -98,7 +98,7 @@ def test_plans_of_the_other_families_are_executed(scene) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", ["pushed", "failed-grasp", "obstacle", "noise"])
+@pytest.mark.parametrize("kind", ["pushed", "failed-grasp", "dropped", "obstacle", "noise"])
 def test_a_closed_loop_recovers(kind) -> None:
     done = CliRunner().invoke(
         command,
