@@ -42,7 +42,7 @@ def compare(problem: PickPlaceProblem, rng: np.random.Generator) -> Counter[tupl
             grasp = Grasp.of(heading, task.shapes[index].grasp_height)
             found = False
             for _ in range(BASES):
-                base = problem.sampler.base_for(placement, grasp, rng)
+                base = problem.sampler.bases.pose_for(placement, grasp, rng)
                 if base is not None:
                     here = State(base, state.placements, task=task)
                     action = Pick(index, grasp)

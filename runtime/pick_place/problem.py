@@ -14,7 +14,7 @@ from runtime.motion.motion import Motion
 from runtime.pick_place.document import describe, document
 from runtime.pick_place.executability import Executor
 from runtime.pick_place.profile import Profile
-from runtime.pick_place.sampling import Sampler, Samples
+from runtime.pick_place.sampling.samples import Sampler, Samples
 from runtime.pick_place.state import Action, MoveBase, State
 from runtime.pick_place.task import Task
 from runtime.plan import write_plan
