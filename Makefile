@@ -4,11 +4,12 @@ PYTHON ?= $(shell command -v python3.11 || command -v python3)
 VENV   := .venv
 BIN    := $(VENV)/bin
 READY  := $(VENV)/.ready
+SCENE  ?= sorting/4t-07
 
 .PHONY: demo test lint check slow lock clean help
 
 help:
-	@echo "make demo   plan the seven-object sorting scene and certify the plan"
+	@echo "make demo   plan a sorting scene, certify the plan, write a page to watch it (SCENE=...)"
 	@echo "make test   all fast tests"
 	@echo "make slow   end-to-end tests that take minutes"
 	@echo "make lint   lint and types"
@@ -22,8 +23,11 @@ $(READY): requirements.lock pyproject.toml
 	@touch $@
 
 demo: $(READY)
-	$(BIN)/sketchlang run pick_and_place sorting/4t-07 --out plan.json
-	$(BIN)/sketchlang validate plan.json
+	@mkdir -p out
+	$(BIN)/sketchlang run pick_and_place $(SCENE) --out out/plan.json
+	$(BIN)/sketchlang validate out/plan.json
+	$(BIN)/sketchlang replay out/plan.json --html out/replay.html
+	@echo "to watch it, open out/replay.html in a browser"
 
 test: $(READY)
 	$(BIN)/python -m pytest
