@@ -73,6 +73,7 @@ class ClosedLoop:
         self.follower = Follower(self.physics, self.recorder, robot.acceleration)
         self.disturber = Disturber(disturbance, seed, self.follower)
         self.follower.grasp_fails = self.disturber.grasp_fails
+        self.follower.meanwhile = self.disturber.go_on
         self.senses = Senses(self.physics, self.disturber)
         self.rng = np.random.default_rng(seed)
         self.grasp: Grasp | None = None
@@ -160,6 +161,7 @@ class ClosedLoop:
                     return f"the arm finds no way home: {surprise}"
                 self.broken_off += 1
                 self.recorder.event("replan", surprise)
+                self._wait_for_rest()
                 break
             if action.name in {"pick", "place"}:
                 seen = self.senses.look()  # from now on the object is elsewhere, as planned

@@ -81,10 +81,7 @@ class Disturber:
     # -- kinds ---------------------------------------------------------------------------------
 
     def _pushes(self, scene: Scene, may_start: bool) -> None:
-        if self._push is not None:
-            self._go_on_pushing()
-            return
-        if not (self.left and may_start) or self.rng.random() > 0.15:
+        if self._push is not None or not (self.left and may_start) or self.rng.random() > 0.15:
             return
         poses = [self.physics.object_pose(i) for i in range(len(self.physics.objects))]
         index = int(self.rng.integers(len(poses)))
@@ -100,8 +97,10 @@ class Disturber:
         self.recorder.event("disturbance", f"{name} is pushed by {1000 * way:.0f} mm")
         self._push = (index, direction, way)
 
-    def _go_on_pushing(self) -> None:
-        assert self._push is not None
+    def go_on(self) -> None:
+        """Go on with what has begun, ten times a second."""
+        if self._push is None:
+            return
         index, direction, way = self._push
         self.physics.shift(index, min(way, PUSH_STEP) * direction)
         self._push = (index, direction, way - PUSH_STEP) if way > PUSH_STEP else None

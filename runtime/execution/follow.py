@@ -76,6 +76,8 @@ class Follower:
         self.names = [thing.name for thing in physics.scene.objects]
         self.grasp_fails: Callable[[], bool] = lambda: False
         """Asked when the fingers close; true where a disturbance keeps them open."""
+        self.meanwhile: Callable[[], None] = lambda: None
+        """Called every `CHECK` seconds, whatever the robot does: what others do."""
         self.lost: int | None = None
         """What the fingers should hold and do not, until somebody has dealt with it."""
         self._target = np.concatenate([physics.scene.robot_start, physics.robot.home])
@@ -167,6 +169,7 @@ class Follower:
         if count % round(CHECK / STEP) == 0:
             gripping = None if grip is None else self.names.index(grip.object)
             self._look(gripping if self._letting is None else self._letting)
+            self.meanwhile()
         self.recorder.sample()
 
     def _look(self, gripping: int | None) -> None:

@@ -64,10 +64,17 @@ class Watcher:
         for index, (before, after) in enumerate(zip(self.seen.objects, now.objects, strict=True)):
             if index in {now.held, self.seen.held} or names[index] == own != target:
                 continue
-            if np.linalg.norm(before[:3] - after[:3]) > MOVED + 4 * self.disturber.noise / 3:
-                self.in_vain = names[index] == target
+            aimed_at = names[index] == target
+            limit = self._clearance() if aimed_at else MOVED
+            if np.linalg.norm(before[:3] - after[:3]) > limit + 4 * self.disturber.noise / 3:
+                self.in_vain = aimed_at
                 return f"{names[index]} has moved"
         return None
+
+    def _clearance(self) -> float:
+        """Metres by which what the arm reaches for may be elsewhere: the fingers would knock
+        over what stands further beside."""
+        return MOVED if self.ways is None else self.ways.robot.gripper.clearance
 
     def _reaches_for(self, time: float) -> str | None:
         """What the fingers are going to close on, until they do."""
