@@ -22,7 +22,7 @@ BLEND = 0.02
 """Radians of path around a corner within which the joints change their velocities: what a
 controller rounds off, some tenths of a millimetre at the hand."""
 
-SHORT = 1e-4
+SHORT = 2e-3
 """Seconds; way points that are closer in time are one."""
 
 STEP = 0.1
