@@ -109,6 +109,36 @@ def test_sampled_grasps_fit_the_gripper(crowded) -> None:
                 assert width + 2 * task.robot.gripper.clearance <= task.robot.gripper.max_opening
 
 
+@pytest.mark.parametrize("yaw", [0.0, 30.0])
+def test_grasps_along_the_sides_come_first(tmp_path, yaw) -> None:
+    """Wherever one of them is free, fingers lie flat."""
+    the = problem(tmp_path, stick("a", 0.8, 0.6, f"yaw = {yaw}"), ON_RIGHT.format("a"))
+    narrowest = the.task.shapes[0].inner_radius * 2
+    for seed in SEEDS:
+        ((_, grasps),) = the.subproblem(the.initial, 0, np.random.default_rng(seed)).samples.picks
+        widths = [the.task.shapes[0].width(grasp.heading) for grasp in grasps]
+        flat = [width == pytest.approx(narrowest, abs=1e-4) for width in widths]
+        assert flat[0]
+        assert flat == sorted(flat, reverse=True)
+
+
+def test_few_grasps_get_several_base_poses(tmp_path) -> None:
+    the = problem(tmp_path, stick("a", 0.8, 0.6), ON_RIGHT.format("a"))
+    samples = the.subproblem(the.initial, 0, np.random.default_rng(0)).samples
+    ((_, grasps),) = samples.picks
+    assert len(samples.bases) > len(grasps) > 0
+
+
+def test_other_objects_are_picked_up_only_after_all_else_has_failed(crowded) -> None:
+    """With an object in the gripper: first the object itself, gripped anew."""
+    state = held_states(crowded)[0]
+    for attempt in range(5):
+        samples = crowded.subproblem(state, attempt, np.random.default_rng(0)).samples
+        others = {index for index, _ in samples.picks} - {state.held}
+        assert bool(others) == (attempt > 2)
+        assert (samples.placed is None) == (attempt > 2)
+
+
 def test_actions_lead_where_the_state_says(crowded) -> None:
     for state in (crowded.initial, *held_states(crowded)):
         kinds = set()
