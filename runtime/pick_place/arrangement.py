@@ -202,7 +202,8 @@ class Arrangement:
         none = np.zeros(1, dtype=np.int64)
         pick = swept.residue_minima(self.pick_counts[index : index + 1], none, plus_pick, modulus)
         turn = 0 if goal.yaw is None else round((goal.yaw - placement_now.pose[2]) / STEP)
-        place = np.roll(place, -turn % modulus)
+        if turn % modulus:
+            place = np.roll(place, -turn % modulus)
         at_least, at_most = int(np.maximum(pick, place).min()), int((pick + place).min())
         if at_least == at_most or at_least >= swept.UNREACHABLE:
             return at_most

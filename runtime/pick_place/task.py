@@ -58,6 +58,7 @@ class Task:
         self.roads = BaseRoads(self.statics, self.clearance)
         self.room = room_around(self.statics, self.clearance, *scene.robot_start[:2])
         self._arrangements: OrderedDict[Placements, Arrangement] = OrderedDict()
+        self._latest: tuple[Placements, Arrangement] = ((), Arrangement(self, ()))
         self._reachable: dict[tuple[float, float, int], int] = {}
         self._holds: dict[object, bool] = {}
         self._rows: dict[tuple[int, Placement], Floats] = {}
@@ -143,6 +144,8 @@ class Task:
 
     def arrangement(self, placements: Placements) -> Arrangement:
         """The geometry of an arrangement, from the cache where it is known."""
+        if placements is self._latest[0]:  # hashing the places of many objects takes its time
+            return self._latest[1]
         found = self._arrangements.get(placements)
         if found is None:
             found = Arrangement(self, placements, self._origin_of(placements))
@@ -151,6 +154,7 @@ class Task:
                 self._arrangements.popitem(last=False)
         else:
             self._arrangements.move_to_end(placements)
+        self._latest = placements, found
         return found
 
     def _origin_of(self, placements: Placements) -> tuple[Arrangement, int] | None:
