@@ -23,6 +23,12 @@ from runtime.robot.model import Floats
 FORMAT = "sketchlang-plan"
 VERSION = 1
 
+LARGEST = 1e6
+"""Metres, radians or seconds: no number in a plan or a trace is beyond."""
+
+LONGEST = 36_000.0
+"""Seconds that a plan or a trace may take: ten hours."""
+
 FARTHEST = 1000.0
 """Metres (and radians) from the origin that a base pose in a file may be."""
 
@@ -225,6 +231,8 @@ class _Reader:
             raise self.fail(where, f"expected {wanted} numbers, found {_shown(value)}")
         if not np.isfinite(array).all():
             raise self.fail(where, "numbers must be finite")
+        if array.size and np.abs(array).max() > LARGEST:
+            raise self.fail(where, f"numbers must be between -{LARGEST:g} and {LARGEST:g}")
         return array
 
     def plan(self, data: Any) -> Plan:
@@ -254,6 +262,9 @@ class _Reader:
             self.action(entry, f"actions[{i}]", objects, len(subgoals))
             for i, entry in enumerate(self.item(data, "actions", list, ""))
         ]
+        seconds = sum(float(timed.times[-1]) for action in actions for timed in action.pieces)
+        if seconds > LONGEST:
+            raise self.fail("actions", f"the plan takes longer than {LONGEST:g} seconds")
         return Plan(
             sketch=self.item(data, "sketch", str, ""),
             scene=self.item(scene, "name", str, "scene"),

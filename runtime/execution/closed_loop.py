@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from runtime.execution.beliefs import Beliefs
 from runtime.execution.disturb import Disturber
 from runtime.execution.execute import SETTLE, lacking
 from runtime.execution.follow import CHECK, Follower, Slip, Touch
@@ -30,6 +31,9 @@ from runtime.trace.kinematics import pose_of
 from runtime.trace.make import Start, trace_of_plan, trace_robot
 from runtime.trace.model import Trace, TraceAction, TraceSketch
 from sketchlang.compile import CompiledSketch
+
+PLANNING = 60.0
+"""Seconds after which the search for one subgoal is given up."""
 
 ROUNDS = 200
 """Subplans after which an execution that does not come to an end is given up."""
@@ -76,6 +80,7 @@ class ClosedLoop:
         self.follower.meanwhile = self.disturber.go_on
         self.senses = Senses(self.physics, self.disturber)
         self.rng = np.random.default_rng(seed)
+        self.beliefs = Beliefs(scene, self.disturber.noise)
         self.grasp: Grasp | None = None
         self.broken_off = 0
         self._know(scene)
@@ -118,12 +123,15 @@ class ClosedLoop:
         for _ in range(ROUNDS):
             seen = self.senses.look(LOOKS)
             try:
-                state = state_of(self.problem.task, seen, self.grasp)
+                state = state_of(self.problem.task, self.beliefs.of(seen), self.grasp)
             except LostError as error:
                 return like, str(error)
-            if self.guide.is_goal(self.guide.values(state)):
+            values = self.guide.values(state)
+            names = (feature.name for feature in self.guide.model.features)
+            self.recorder.reached(dict(zip(names, values, strict=True)))
+            if self.guide.is_goal(values):
                 return like, None
-            limits = Limits(timeout=60.0)
+            limits = Limits(timeout=PLANNING)
             subgoal = next_subgoal(self.guide, self.problem, state, limits, self.rng)
             if subgoal is None:
                 return like, "no subgoal was found from what was sensed"
@@ -163,8 +171,10 @@ class ClosedLoop:
                 self.recorder.event("replan", surprise)
                 self._wait_for_rest()
                 break
-            if action.name in {"pick", "place"}:
+            if action.object is not None:
                 seen = self.senses.look()  # from now on the object is elsewhere, as planned
+                index = self.follower.names.index(action.object)
+                self.beliefs.expect(index, trace.span(index, action.end).at(action.end))
         self._look_around()
         return None
 

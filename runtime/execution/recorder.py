@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -90,13 +91,19 @@ class Recorder:
                 subgoal=first + action.subgoal,
             )
             for action in trace.actions
-            if start <= action.start <= end
+            if start <= action.start < end
         ]
         self.grips += [
             replace(grip, start=when(grip.start), time=when(grip.time))
             for grip in trace.grips
             if start < grip.time <= end
         ]
+
+    def reached(self, values: Mapping[str, int]) -> None:
+        """Note the feature values that were sensed where the last subplan ended: other ones
+        than planned where it was broken off."""
+        if self.subgoals:
+            self.subgoals[-1] = replace(self.subgoals[-1], after=dict(values))
 
     def trace(self, like: Trace) -> Trace:
         """Everything so far, with the sketch, scene and robot of another trace."""

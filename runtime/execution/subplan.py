@@ -9,7 +9,7 @@ from runtime.pick_place.problem import PickPlaceProblem
 from runtime.pick_place.state import State
 from runtime.plan import Plan
 from runtime.search.guide import Guide, Subgoal
-from runtime.search.limits import Limits
+from runtime.search.limits import Limits, OutOfTimeError
 from runtime.search.query import Effort
 from runtime.search.siw_r import Outcome, find_subgoal, lazy
 
@@ -21,9 +21,13 @@ def next_subgoal(
     limits: Limits,
     rng: np.random.Generator,
 ) -> Subgoal | None:
-    """One round of Lazy-SIIW_R: a subplan from a state to a subgoal, or None."""
+    """One round of Lazy-SIIW_R: a subplan from a state to a subgoal; None where there is none,
+    or none was found within the limits."""
     guide.forget()
-    return find_subgoal(lazy, guide, problem, state, limits, rng, Effort())
+    try:
+        return find_subgoal(lazy, guide, problem, state, limits, rng, Effort())
+    except OutOfTimeError:
+        return None
 
 
 def plan_of(problem: PickPlaceProblem, guide: Guide, state: State, subgoal: Subgoal) -> Plan:

@@ -45,8 +45,13 @@ class Shape:
 
     def width(self, angle: float) -> float:
         """How far the fingers are apart on the object for an approach heading `angle`."""
-        across = self.outline @ np.array([-math.sin(angle), math.cos(angle)])
-        return float(across.max() - across.min())
+        return float(self.widths(np.array([angle]))[0])
+
+    def widths(self, angles: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The same for several headings (k,)."""
+        across = self.outline @ np.array([-np.sin(angles), np.cos(angles)])
+        found: NDArray[np.float64] = across.max(axis=0) - across.min(axis=0)
+        return found
 
 
 @lru_cache(maxsize=256)

@@ -39,9 +39,6 @@ class Task:
         self.scene = scene
         self.robot = robot
         self.shapes: tuple[Shape, ...] = tuple(box_shape(o.size) for o in scene.objects)
-        self._widths = [
-            np.array([shape.width(k * STEP) / 2 for k in range(HEADINGS)]) for shape in self.shapes
-        ]
         strip = robot.strip
         self.strip: Floats = np.array(
             [
@@ -62,6 +59,7 @@ class Task:
         self._reachable: dict[tuple[float, float, int], int] = {}
         self._holds: dict[object, bool] = {}
         self._rows: dict[tuple[int, Placement], Floats] = {}
+        self._grips: dict[object, Floats] = {}
         self._place_grips: dict[object, Floats] = {}
         self.goals = self._static_goals()
         self.words = WordGoals(self, scene.word) if scene.word is not None else None
@@ -265,15 +263,12 @@ class Task:
 
     def grips(self, index: int, yaw: float) -> Floats:
         """Half the width (K,) of an object with a heading, across each approach heading."""
-        # Widths are tabulated for headings in the object's frame; between two of them the
-        # wider one counts.
-        turn = yaw / STEP
-        low, high = int(np.floor(turn)), int(np.ceil(turn))
-        widths = self._widths[index]
-        if turn - low < 1e-3 or high - turn < 1e-3:
-            return np.roll(widths, round(turn))
-        wider: Floats = np.maximum(np.roll(widths, low), np.roll(widths, high))
-        return wider
+        key = (self.shapes[index].size, yaw)
+        grips = self._grips.get(key)
+        if grips is None:
+            angles = np.linspace(0.0, HEADINGS * STEP, HEADINGS, endpoint=False) - yaw
+            grips = self._grips[key] = self.shapes[index].widths(angles) / 2
+        return grips
 
     def place_grips(self, index: int, goal: GoalSites | None, grasp: Grasp | None) -> Floats:
         """Half the width (K,) of an object between the fingers, for each heading with which
@@ -289,7 +284,7 @@ class Task:
                 width = round(self.shapes[index].width(grasp.heading) / 2, 4)
                 grips = np.full(HEADINGS, width)
             else:
-                grips = np.full(HEADINGS, self._widths[index].min())
+                grips = np.full(HEADINGS, self.grips(index, 0.0).min())
             self._place_grips[key] = grips
         return grips
 

@@ -55,6 +55,11 @@ def trace_of_plan(
         InputError: the plan is of another scene, robot or sketch, or does not hang together.
     """
     _check(plan, scene, robot, sketch)
+    if start is None and not np.allclose(plan.base_start, scene.robot_start, atol=1e-4):
+        raise InputError(
+            "the plan does not start where the robot stands in the scene",
+            place=f"{plan.path}: base_start",
+        )
     return _Maker(plan, scene, trace_robot(robot), robot, sketch, start).make()
 
 
@@ -98,7 +103,15 @@ def _check(plan: Plan, scene: Scene, robot: RobotModel, sketch: TraceSketch) -> 
     if plan.objects != tuple(thing.name for thing in scene.objects):
         raise InputError("these are not the objects of the scene", place=f"{plan.path}: objects")
     rules = {rule.name for rule in sketch.rules} | {"goal"}
+    features = [name for name, _ in sketch.features]
     for number, subgoal in enumerate(plan.subgoals):
+        for key, values in (("before", subgoal.before), ("after", subgoal.after)):
+            missing = [name for name in features if name not in values]
+            if missing:
+                raise InputError(
+                    f"there is no value of the feature {missing[0]!r}",
+                    place=f"{plan.path}: subgoals[{number}].{key}",
+                )
         if subgoal.rule not in rules:
             raise InputError(
                 f"the sketch {sketch.name} has no rule {subgoal.rule!r}",

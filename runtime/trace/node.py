@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from runtime.errors import InputError
+from runtime.plan import LARGEST
 from runtime.robot.model import Floats
 
 
@@ -65,8 +66,12 @@ class Node:
         return [Node(e, self.file, f"{self.where}[{i}]") for i, e in enumerate(entries)]
 
     def text(self) -> str:
-        """A string."""
+        """A string that can be written."""
         found: str = self._of(str, "a string")
+        try:
+            found.encode()
+        except UnicodeEncodeError:
+            raise self.fail("half of a surrogate pair is no text") from None
         return found
 
     def flag(self) -> bool:
@@ -113,6 +118,8 @@ class Node:
         array = array.astype(np.float64)
         if not np.isfinite(array).all():
             raise self.fail("numbers must be finite")
+        if array.size and np.abs(array).max() > LARGEST:
+            raise self.fail(f"numbers must be between -{LARGEST:g} and {LARGEST:g}")
         return array
 
     def _of(self, kind: type, name: str) -> Any:
@@ -123,3 +130,27 @@ class Node:
     def _shown(self) -> str:
         text = json.dumps(self.value, default=repr)
         return text if len(text) <= 60 else text[:57] + "..."
+
+
+def name_of(node: Node, names: list[str]) -> str:
+    """The name of one of some objects."""
+    if node.text() not in names:
+        raise node.fail(f"unknown object {node.text()!r}")
+    return node.text()
+
+
+def index_of(node: Node, count: int, what: str) -> int:
+    """The number of one of `count` things."""
+    if not 0 <= node.whole() < count:
+        raise node.fail(f"there is no {what} {node.whole()}")
+    return node.whole()
+
+
+def poses_of(node: Node, count: int) -> Floats:
+    """Poses (count, 7): x, y, z and a unit quaternion x, y, z, w."""
+    poses = node.numbers((count, 7))
+    length = np.linalg.norm(poses[:, 3:], axis=1)
+    if np.abs(length - 1).max() > 1e-3:
+        raise node.fail("the last four numbers of a pose must be a unit quaternion")
+    poses[:, 3:] /= length[:, None]
+    return poses

@@ -276,3 +276,25 @@ def test_an_object_that_fell_on_its_side_ends_it_untouched(seed: int, monkeypatc
     assert verdict.reason is not None
     assert "has fallen" in verdict.reason
     assert not verdict.touches
+
+
+def test_a_subplan_that_was_broken_off_reached_what_was_sensed(monkeypatch) -> None:
+    """And each of its actions is recorded once, with the time that it took."""
+    loop = closed_loop("failed-grasp", 1)
+    verdict, trace = loop.run()
+    assert verdict.goal_reached
+    assert verdict.broken_off
+    assert trace is not None
+    for before, after in zip(trace.subgoals[:-1], trace.subgoals[1:], strict=True):
+        assert before.after == after.before
+    assert trace.subgoals[-1].after["m"] == 0
+    assert all(action.end > action.start for action in trace.actions)
+    starts = [action.start for action in trace.actions]
+    assert starts == sorted(set(starts))
+
+
+def test_a_search_that_takes_too_long_ends_with_a_verdict(monkeypatch) -> None:
+    monkeypatch.setattr("runtime.execution.closed_loop.PLANNING", 1e-6)
+    verdict, _ = closed_loop("none", 0).run()
+    assert not verdict.goal_reached
+    assert verdict.reason == "no subgoal was found from what was sensed"

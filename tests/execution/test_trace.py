@@ -118,6 +118,29 @@ DAMAGES = [
     (lambda d: d["sketch"]["rules"][0].update(end=10**6), r"sketch.rules\[0\]: the rule is not"),
     (lambda d: d["objects"][0][0]["poses"].append("a"), r"objects\[0\]\[0\].poses"),
     (lambda d: d.update(duration=float("nan")), r"duration: numbers must be finite"),
+    (lambda d: d.update(duration=-5), r"duration: a trace lasts from 0"),
+    (lambda d: d.update(duration=1e5), r"duration: a trace lasts from 0 to 36000"),
+    (lambda d: d["scene"].update(robot_start=[1e308, 0, 0]), r"scene.robot_start: numbers must be"),
+    (lambda d: d["scene"].update(name="\ud800"), r"scene.name: half of a surrogate pair"),
+    (lambda d: d["subgoals"][0].update(end=-1), r"subgoals\[0\].end: the end comes before"),
+    (lambda d: d["actions"][1].update(start=1e4), r"actions\[1\].end: the end comes before"),
+    (
+        lambda d: d["subgoals"][1]["before"].pop("m"),
+        r"subgoals\[1\].before: the key 'm'",
+    ),
+    (
+        lambda d: d["robot"].update(gripper_links=["x"]),
+        r"robot.gripper_links\[0\]: .* no link",
+    ),
+    (lambda d: d["robot"].update(finger_joints=[]), r"robot.finger_joints: the robot has no joint"),
+    (
+        lambda d: d["robot"]["finger_joints"].append(d["robot"]["finger_joints"][0]),
+        r"robot.finger_joints\[2\]: .* stands here twice",
+    ),
+    (
+        lambda d: d["scene"].update(word={"word": "", "table": 0, "pitch": 1, "tolerance": 1}),
+        r"scene.word.word: a word has letters",
+    ),
 ]
 
 

@@ -1,0 +1,95 @@
+"""The robot of a trace file."""
+
+from __future__ import annotations
+
+from runtime.robot.urdf import Box, Joint, Pose, Urdf
+from runtime.trace.kinematics import matrix
+from runtime.trace.model import WORLD, TraceRobot
+from runtime.trace.node import Node, poses_of
+
+
+def robot_of(node: Node) -> TraceRobot:
+    """The robot that a node of a trace file describes."""
+    boxes: dict[str, tuple[Box, ...]] = {}
+    for link in node["links"].each():
+        boxes[link["name"].text()] = tuple(
+            Box(box["name"].text(), _pose(box, "pose"), box["size"].numbers((3,)) / 2)
+            for box in link["boxes"].each()
+        )
+    joints: dict[str, Joint] = {}
+    for entry in node["joints"].each():
+        joint = _joint(entry, set(boxes))
+        if joint.child in joints:
+            raise entry["child"].fail(f"two joints move {joint.child!r}")
+        joints[joint.child] = joint
+    root = node["root"].text()
+    _check_tree(node, root, set(boxes), joints)
+    names = {joint.name for joint in joints.values()}
+    lists = {
+        key: [entry.text() for entry in node[key].each()]
+        for key in ("planning_joints", "finger_joints", "gripper_links")
+    }
+    for key in ("planning_joints", "finger_joints"):
+        _check_names(node[key], lists[key], names, "joint")
+    _check_names(node["gripper_links"], lists["gripper_links"], set(boxes), "link")
+    if WORLD in boxes:
+        raise node["links"].fail(f"no link can have the name {WORLD!r}")
+    if node["tool"].text() not in boxes:
+        raise node["tool"].fail(f"there is no link {node['tool'].text()!r}")
+    return TraceRobot(
+        name=node["name"].text(),
+        digest=node["digest"].text(),
+        urdf=Urdf(node["name"].text(), root, boxes, joints),
+        joints=tuple(lists["planning_joints"]),
+        fingers=tuple(lists["finger_joints"]),
+        fixed={name: value.number() for name, value in node["fixed_joints"].items()},
+        home=node["home"].numbers((len(lists["planning_joints"]),)),
+        tool=node["tool"].text(),
+        gripper_links=tuple(lists["gripper_links"]),
+        max_opening=node["max_opening"].number(),
+    )
+
+
+def _pose(node: Node, key: str) -> Pose:
+    row = Node([node[key].value], node.file, f"{node.where}.{key}")
+    return matrix(poses_of(row, 1)[0])[:3]
+
+
+def _joint(node: Node, links: set[str]) -> Joint:
+    for key in ("parent", "child"):
+        if node[key].text() not in links:
+            raise node[key].fail(f"there is no link {node[key].text()!r}")
+    lower, upper, velocity = node["limits"].numbers((3,)).tolist()
+    return Joint(
+        node["name"].text(),
+        node["type"].choice("fixed", "revolute", "continuous", "prismatic"),
+        node["parent"].text(),
+        node["child"].text(),
+        _pose(node, "origin"),
+        node["axis"].numbers((3,)),
+        lower,
+        upper,
+        velocity,
+    )
+
+
+def _check_names(node: Node, found: list[str], known: set[str], what: str) -> None:
+    """At least one, all known, none twice."""
+    if not found:
+        raise node.fail(f"the robot has no {what} here")
+    for i, name in enumerate(found):
+        if name not in known:
+            raise node.each()[i].fail(f"there is no {what} {name!r}")
+        if name in found[:i]:
+            raise node.each()[i].fail(f"{name!r} stands here twice")
+
+
+def _check_tree(node: Node, root: str, links: set[str], joints: dict[str, Joint]) -> None:
+    reached = {root} & links
+    while True:
+        more = {j.child for j in joints.values() if j.parent in reached} - reached
+        if not more:
+            break
+        reached |= more
+    if reached != links or root in joints:
+        raise node["joints"].fail(f"the links are not a tree that hangs on {root!r}")
