@@ -12,7 +12,7 @@ import numpy as np
 
 from runtime.execution.beliefs import Beliefs
 from runtime.execution.disturb import Disturber
-from runtime.execution.execute import SETTLE, lacking
+from runtime.execution.execute import SETTLE, lacking, real_slips
 from runtime.execution.follow import CHECK, Follower, Slip, Touch
 from runtime.execution.physics import Physics
 from runtime.execution.recorder import Recorder
@@ -103,18 +103,19 @@ class ClosedLoop:
             missing = lacking(self.scene, poses)
             if reason is None and missing:
                 reason = f"the robot believes to be done, but {missing[0]}"
-            carried = [s for s in self.follower.slips if s.what != "carried"]
             verdict = Verdict(
                 reason is None,
                 reason,
                 len(self.recorder.subgoals),
                 self.broken_off,
                 self.physics.time,
-                tuple(carried),
+                tuple(real_slips(self.follower.slips)),
                 tuple(self.follower.touches),
             )
             self.recorder.event("verdict", reason or "goal reached")
-            return verdict, None if like is None else self.recorder.trace(like)
+            if like is None:
+                return verdict, None
+            return verdict, self.recorder.trace(replace(like, scene=self.scene))
         finally:
             self.physics.close()
 

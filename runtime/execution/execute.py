@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -98,7 +99,7 @@ def _report(trace: Trace, physics: Physics, follower: Follower) -> Report:
     for index, pose in enumerate(poses):
         planned = object_at(trace, links, index, trace.duration)
         finals.append(_final(trace.scene, index, planned, pose))
-    slips = [s for s in follower.slips if s.what != "carried" or s.moved > LOOSE]
+    slips = real_slips(follower.slips)
     return Report(
         duration=physics.time,
         tracking=follower.tracking,
@@ -128,6 +129,11 @@ def _final(scene: Scene, index: int, planned: Floats, pose: Floats) -> FinalPose
 def lean(pose: Floats) -> float:
     """Radians between an object's axis and the vertical; `pose` (4, 4)."""
     return math.acos(max(-1.0, min(1.0, float(pose[2, 2]))))
+
+
+def real_slips(slips: Sequence[Slip]) -> list[Slip]:
+    """Slips without objects that were carried and moved in the gripper by next to nothing."""
+    return [slip for slip in slips if slip.what != "carried" or slip.moved > LOOSE]
 
 
 def standing_on(scene: Scene, pose: Floats) -> int | None:

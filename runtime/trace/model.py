@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
@@ -15,14 +14,6 @@ from runtime.trace.track import Track
 
 WORLD = "world"
 """The frame of things that no link carries."""
-
-
-class Limits(NamedTuple):
-    """What a joint can do: radians or metres, and the same a second."""
-
-    lower: float
-    upper: float
-    velocity: float
 
 
 @dataclass(frozen=True, eq=False)
