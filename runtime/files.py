@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import os
+import stat
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from runtime.errors import InputError
@@ -20,15 +23,53 @@ def write_text(path: Path, text: str) -> None:
 
 def write_bytes(path: Path, data: bytes) -> None:
     """The same for bytes."""
+    with replacing(path) as temporary:
+        temporary.write_bytes(data)
+
+
+@contextmanager
+def replacing(path: Path) -> Iterator[Path]:
+    """A name to write a file to, which takes its place when the block ends without an error.
+
+    It is in the same folder and has the same suffix. A symbolic link stays a link: its target
+    is replaced. What is no regular file (a pipe, a terminal, `/dev/null`) is written to as it
+    is, for renaming would put a file in its place.
+
+    Raises:
+        InputError: the file cannot be written.
+    """
     try:
-        handle, temporary = tempfile.mkstemp(dir=path.parent or Path(), prefix=f".{path.name}.")
+        if is_special(path):
+            yield path
+            return
+        target = Path(os.path.realpath(path))
+        handle, name = tempfile.mkstemp(
+            dir=target.parent, prefix=f".{target.stem[:50]}.", suffix=target.suffix
+        )
+        os.close(handle)
         try:
-            with os.fdopen(handle, "wb") as file:
-                file.write(data)
-            os.chmod(temporary, 0o644)
-            os.replace(temporary, path)
+            yield Path(name)
+            os.chmod(name, 0o666 & ~_umask())
+            os.replace(name, target)
         except BaseException:
-            os.unlink(temporary)
+            with suppress(OSError):  # what went wrong first is what has to be told
+                os.unlink(name)
             raise
     except OSError as error:
-        raise InputError(f"cannot be written: {error.strerror}", place=str(path)) from None
+        message = f"cannot be written: {error.strerror or error}"
+        raise InputError(message, place=str(path)) from None
+
+
+def is_special(path: Path) -> bool:
+    """Whether there is something of this name that is neither a regular file nor a folder."""
+    try:
+        mode = path.stat().st_mode
+    except OSError:  # nothing is there, or nothing can be known of it
+        return False
+    return not stat.S_ISREG(mode) and not stat.S_ISDIR(mode)
+
+
+def _umask() -> int:
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask

@@ -8,6 +8,7 @@ object, and breaks where it would have to hold more than the fingers' friction c
 
 from __future__ import annotations
 
+import ctypes
 import math
 import os
 import sys
@@ -301,8 +302,10 @@ def connect(gui: bool) -> Any:
     """A PyBullet client.
 
     Raises:
-        InputError: PyBullet is not installed.
+        InputError: PyBullet is not installed, or there is no display for its window.
     """
+    if gui and sys.platform == "linux" and not _display_opens():
+        raise InputError("there is no display for the window", hint="leave --gui out")
     try:
         with quiet():
             import pybullet
@@ -311,8 +314,28 @@ def connect(gui: bool) -> Any:
         raise InputError(
             "PyBullet is not installed", hint="it has packages for Python 3.11: install pybullet"
         ) from None
-    with quiet():
-        return BulletClient(pybullet.GUI if gui else pybullet.DIRECT)
+    try:
+        with quiet():
+            return BulletClient(pybullet.GUI if gui else pybullet.DIRECT)
+    except pybullet.error as error:
+        hint = "leave --gui out" if gui else None
+        raise InputError(f"PyBullet does not start: {error}", hint=hint) from None
+
+
+def _display_opens() -> bool:
+    """Whether X11 has a display for us: without one, PyBullet ends the whole process. It does
+    not know Wayland, which gives programs of X11 a DISPLAY as well."""
+    if not os.environ.get("DISPLAY"):
+        return False
+    try:
+        x11 = ctypes.CDLL("libX11.so.6")
+    except OSError:
+        return False  # PyBullet looks for the same library
+    x11.XOpenDisplay.restype = ctypes.c_void_p
+    display = x11.XOpenDisplay(None)
+    if display:
+        x11.XCloseDisplay(ctypes.c_void_p(display))
+    return bool(display)
 
 
 @contextmanager

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import os
+import sqlite3
 from collections.abc import Iterator
+from importlib.util import find_spec
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -18,21 +22,41 @@ RATE = 20.0
 """Messages a second on each topic."""
 
 
+def check_bag(path: Path) -> None:
+    """Find out before the work whether a bag can be written.
+
+    Raises:
+        InputError: the path exists, or the package rosbags is missing.
+    """
+    if find_spec("rosbags") is None:
+        raise InputError("bags need the package rosbags", hint="install sketchlang[bag]")
+    if path.exists() or path.is_symlink():
+        raise InputError("a bag is a new folder, and this exists", place=str(path))
+
+
 def write_bag(trace: Trace, path: Path) -> None:
     """Write a bag, a folder that must not exist: `/joint_states` and `/tf`.
 
+    It is written in a temporary folder beside and moved when it is complete.
+
     Raises:
-        InputError: it exists, or the package rosbags is missing.
+        InputError: it exists, it cannot be written, or the package rosbags is missing.
     """
+    check_bag(path)
     try:
-        from rosbags.rosbag2 import Writer
-        from rosbags.typesys import Stores, get_typestore
-    except ImportError:
-        raise InputError("bags need the package rosbags", hint="install sketchlang[bag]") from None
-    if path.exists():
-        raise InputError("a bag is a new folder, and this exists", place=str(path))
-    if not path.parent.is_dir():
-        raise InputError(f"there is no folder {str(path.parent)!r}", place=str(path))
+        with TemporaryDirectory(prefix=f".{path.name}.", dir=path.parent) as folder:
+            # The same name: the files in a bag are named after it.
+            _write(trace, Path(folder) / path.name)
+            os.rename(Path(folder) / path.name, path)
+    except (OSError, sqlite3.Error) as error:
+        message = f"cannot be written: {getattr(error, 'strerror', None) or error}"
+        raise InputError(message, place=str(path)) from None
+
+
+def _write(trace: Trace, path: Path) -> None:
+    from rosbags.rosbag2 import Writer
+    from rosbags.typesys import Stores, get_typestore
+
     store = get_typestore(Stores.ROS2_HUMBLE)
     with Writer(path, version=8) as writer:
         connections = {

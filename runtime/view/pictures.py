@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 import struct
 import zlib
 from collections.abc import Iterator
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +16,8 @@ from numpy.typing import NDArray
 from runtime.errors import InputError
 from runtime.execution.physics import connect
 from runtime.export.model import boxes
-from runtime.files import write_bytes
+from runtime.files import replacing, write_bytes
+from runtime.robot.model import Floats
 from runtime.trace.kinematics import pose_of
 from runtime.trace.model import Trace
 from runtime.view.colours import FLOOR
@@ -28,6 +31,23 @@ FRAMES = 12.0
 
 LIGHT = (-0.5, -0.8, 1.6)
 
+LENS = 42.0
+"""Degrees that the camera sees from bottom to top."""
+
+FORWARD = np.array([0.95, 1.55, -1.55]) / np.linalg.norm([0.95, 1.55, -1.55])
+RIGHT = np.cross(FORWARD, [0, 0, 1.0]) / np.linalg.norm(np.cross(FORWARD, [0, 0, 1.0]))
+UP = np.cross(RIGHT, FORWARD)
+"""Where the camera looks, in the world frame."""
+
+NEAREST = 0.1
+"""Metres from the camera at which the picture begins."""
+
+MARGIN = 0.94
+"""Share of the picture that the scene takes."""
+
+TILES = 40
+"""Tiles of 1 m, or larger ones where more than this many would lie side by side."""
+
 
 class Studio:
     """A trace before a camera that sees the whole scene."""
@@ -36,27 +56,24 @@ class Studio:
         self.trace, self.size = trace, size
         self.bullet: Any = connect(False)
         self._bodies: dict[str, int] = {}
-        centres = [surface.table.centre[:2] for surface in trace.scene.surfaces]
-        points = np.array([*centres, trace.scene.robot_start[:2]])
-        self.middle = (points.min(axis=0) + points.max(axis=0)) / 2
-        reach = [
-            np.hypot(*(np.array(s.table.centre[:2]) - self.middle)) + max(s.table.size[:2]) / 2
-            for s in trace.scene.surfaces
-        ]
-        self.span = max(1.6, *reach) if reach else 1.6
-        self._add(
-            "floor", np.array([40.0, 40.0, 0.02]), np.array([0, 0, -0.01, 0, 0, 0, 1.0]), FLOOR
-        )
+        self.eye, self.target = framed(_corners(trace), size[0] / size[1])
+        self._add_floor()
 
     def _add_floor(self) -> None:
-        # In tiles: the renderer draws large triangles wrongly that reach behind the camera.
-        for i in range(-4, 4):
-            for j in range(-4, 4):
-                x, y = self.middle + np.array([i + 0.5, j + 0.5])
-                shade = 1.0 if (i + j) % 2 else 0.95
-                colour = (FLOOR[0] * shade, FLOOR[1] * shade, FLOOR[2] * shade)
-                pose = np.array([x, y, -0.01, 0.0, 0.0, 0.0, 1.0])
-                self._add(f"floor {i} {j}", np.array([1.0, 1.0, 0.02]), pose, colour)
+        # In tiles, and none behind the camera: the renderer draws large triangles wrongly that
+        # reach there.
+        seen = _floor_seen(self.eye, self.target, self.size[0] / self.size[1])
+        tile = max(1.0, float(np.ptp(seen, axis=0).max()) / TILES)
+        low, high = np.floor(seen.min(axis=0) / tile), np.ceil(seen.max(axis=0) / tile)
+        corners = tile * np.array([[i, j, 0] for i in (0, 1) for j in (0, 1)])
+        for i, j in np.ndindex(*(high - low).astype(int)):
+            corner = tile * np.array([low[0] + i, low[1] + j, 0.0])
+            if ((corner + corners - self.eye) @ (self.target - self.eye)).min() < NEAREST:
+                continue
+            shade = 1.0 if (i + j) % 2 else 0.97
+            colour = (FLOOR[0] * shade, FLOOR[1] * shade, FLOOR[2] * shade)
+            pose = np.array([corner[0] + tile / 2, corner[1] + tile / 2, -0.01, 0, 0, 0, 1.0])
+            self._add(f"floor {i} {j}", np.array([tile, tile, 0.02]), pose, colour)
 
     def close(self) -> None:
         """Put everything away."""
@@ -81,13 +98,10 @@ class Studio:
             else:
                 self._add(name, size, pose, colour)
         b, (width, height) = self.bullet, self.size
-        x, y = self.middle
-        view = b.computeViewMatrix(
-            [x - 0.95 * self.span, y - 1.55 * self.span, 0.5 + 1.55 * self.span],
-            [x, y, 0.45],
-            [0, 0, 1],
+        view = b.computeViewMatrix(self.eye.tolist(), self.target.tolist(), [0, 0, 1])
+        lens = b.computeProjectionMatrixFOV(
+            LENS, width / height, NEAREST, max(100, 10 * self.eye[2])
         )
-        lens = b.computeProjectionMatrixFOV(42, width / height, 0.1, 60)
         pixels = b.getCameraImage(
             width,
             height,
@@ -98,6 +112,44 @@ class Studio:
             renderer=b.ER_TINY_RENDERER,
         )[2]
         return np.reshape(np.asarray(pixels, dtype=np.uint8), (height, width, 4))[:, :, :3]
+
+
+def framed(points: Floats, aspect: float) -> tuple[Floats, Floats]:
+    """Where a camera stands and a point at which it looks (3,), world frame: it sees all
+    points (k, 3), and from as near as it can. `aspect` is width by height."""
+    depth, centre, distance = points @ FORWARD, np.zeros(3), 0.0
+    tangent = MARGIN * np.tan(np.radians(LENS / 2))
+    for axis, slope in ((UP, tangent), (RIGHT, aspect * tangent)):
+        # A point is in the picture where |its way along the axis| <= slope * its depth.
+        high = (points @ axis - slope * depth).max()
+        low = (-points @ axis - slope * depth).max()
+        centre += axis * (high - low) / 2
+        distance = max(distance, float(high + low) / (2 * slope))
+    eye: Floats = centre - distance * FORWARD
+    return eye, eye + FORWARD
+
+
+def _corners(trace: Trace) -> Floats:
+    """Corners (k, 3) of every box at the moments of which there are pictures."""
+    signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) / 2
+    times = {time for _, time in moments(trace)} | set(np.linspace(0, trace.duration, 20).tolist())
+    return np.concatenate(
+        [
+            (signs * size) @ transform[:3, :3].T + transform[:3, 3]
+            for time in sorted(times)
+            for _, size, transform, _ in boxes(trace, time)
+        ]
+    )
+
+
+def _floor_seen(eye: Floats, target: Floats, aspect: float) -> Floats:
+    """Where the corners of the picture see the floor (4, 2)."""
+    slope = np.tan(np.radians(LENS / 2))
+    rays = np.array(
+        [target - eye + slope * (x * aspect * RIGHT + y * UP) for x in (-1, 1) for y in (-1, 1)]
+    )
+    seen: Floats = (eye - rays * eye[2] / rays[:, 2:])[:, :2]
+    return seen
 
 
 def moments(trace: Trace) -> Iterator[tuple[str, float]]:
@@ -128,30 +180,48 @@ def write_pictures(trace: Trace, folder: Path) -> list[Path]:
     return paths
 
 
+def check_film(path: Path) -> None:
+    """Find out before the work whether a film can be written under a name.
+
+    Raises:
+        InputError: the package imageio-ffmpeg is missing, or the name is not that of an MP4.
+    """
+    if find_spec("imageio_ffmpeg") is None:
+        raise InputError("films need the package imageio-ffmpeg", hint="install sketchlang[film]")
+    if path.suffix.lower() != ".mp4":
+        raise InputError("a film has a name that ends in .mp4", place=str(path))
+
+
 def write_film(trace: Trace, path: Path, speed: float) -> None:
-    """Write an MP4 (H.264) that is `speed` times as fast as the trace.
+    """Write an MP4 (H.264) that is `speed` times as fast as the trace, as a whole or not at
+    all.
 
     Raises:
         InputError: the package imageio-ffmpeg or PyBullet is missing, or nothing is written.
     """
-    try:
-        import imageio_ffmpeg
-    except ImportError:
-        raise InputError(
-            "films need the package imageio-ffmpeg", hint="install sketchlang[film]"
-        ) from None
-    if not path.parent.is_dir():
-        raise InputError(f"there is no folder {str(path.parent)!r}", place=str(path))
+    check_film(path)
+    with replacing(path) as temporary:
+        _write_film(trace, temporary, speed)
+        if b"moov" not in temporary.read_bytes():  # the index, which is written last
+            raise OSError("the encoder failed")
+
+
+def _write_film(trace: Trace, path: Path, speed: float) -> None:
+    import imageio_ffmpeg
+
     # The encoder wants sides that are multiples of 16.
     studio = Studio(trace, (960, 544))
-    writer = imageio_ffmpeg.write_frames(str(path), studio.size, fps=FRAMES, quality=7)
+    # The encoder's own words are for those who know its command line.
+    writer = imageio_ffmpeg.write_frames(
+        str(path), studio.size, fps=FRAMES, quality=7, ffmpeg_log_level="quiet"
+    )
     try:
         writer.send(None)
-        for time in np.arange(0.0, trace.duration + speed / FRAMES, speed / FRAMES):
-            image = studio.picture(min(float(time), trace.duration))
+        for frame in range(math.ceil(trace.duration * FRAMES / speed) + 1):
+            image = studio.picture(min(frame * speed / FRAMES, trace.duration))
             writer.send(np.ascontiguousarray(image))
-    except OSError as error:
-        raise InputError(f"cannot be written: {error}", place=str(path)) from None
+    except OSError:
+        raise OSError("the encoder failed") from None
     finally:
         writer.close()
         studio.close()

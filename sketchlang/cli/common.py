@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import functools
+import math
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import NoReturn, ParamSpec, TypeVar
+from typing import TYPE_CHECKING, NoReturn, ParamSpec, TypeVar
 
 import click
 
@@ -17,6 +18,10 @@ from sketchlang.loader import Loaded, LoadError, load_sketch
 from sketchlang.model import Rule
 from sketchlang.source import Source, Span
 from sketchlang.syntax import tree
+
+if TYPE_CHECKING:
+    from runtime.errors import InputError
+    from runtime.trace.model import Trace
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -78,42 +83,115 @@ def load_valid(file: str, domain_file: str | None = None) -> Loaded:
     return loaded
 
 
-def look_ahead(path: str) -> None:
-    """Ends the command if a file cannot be written for want of its folder: before hours of
-    work and not after them."""
-    target = Path(path)
-    if not target.parent.is_dir():
-        fail(f"{path}: there is no folder {str(target.parent)!r}")
-    if target.is_dir():
+def look_ahead(path: str | Path, folder: bool = False) -> None:
+    """Ends the command if a file, or a folder, cannot be written: before hours of work and
+    not after them."""
+    from runtime.files import is_special
+
+    if is_special(Path(path)):
+        return
+    target = os.path.realpath(path)
+    within = target if folder and os.path.isdir(target) else os.path.dirname(target)
+    if not os.path.isdir(within):
+        fail(f"{path}: there is no folder {str(Path(path).parent)!r}")
+    if not folder and os.path.isdir(target):
         fail(f"{path}: is a directory")
+    if folder and os.path.isfile(target):
+        fail(f"{path}: is not a folder")
+    _try_to_write(path, within)
+
+
+def _try_to_write(path: str | Path, folder: str) -> None:
+    # Tried, not asked: permissions alone do not tell of file systems that are read-only.
+    import tempfile
+
+    try:
+        Path(path).exists()  # fails where the name is too long
+        tempfile.TemporaryFile(dir=folder).close()
+    except OSError as error:
+        fail(f"{path}: cannot be written: {error.strerror or error}")
+
+
+def keep_apart(inputs: Iterable[str | Path | None], outputs: Mapping[str, Path | None]) -> None:
+    """Ends the command if an output, by its option, would overwrite an input or another
+    output. Inputs may also be names of what is built in: those are no files."""
+    from runtime.files import is_special
+
+    files = [name for name in inputs if name is not None and os.path.exists(name)]
+    taken = {os.path.realpath(name): "what is read" for name in files}
+    for option, path in outputs.items():
+        if path is None or is_special(path):
+            continue
+        real = os.path.realpath(path)
+        if real in taken:
+            fail(f"{option}: {path} would overwrite {taken[real]}")
+        taken[real] = f"what {option} writes"
 
 
 def write_file(path: str, text: str) -> None:
-    """Writes a file as a whole or not at all: under another name first, then renamed."""
-    import tempfile
+    """Writes a file as a whole or not at all; ends the command if it cannot be written."""
+    from runtime.errors import InputError
+    from runtime.files import write_text
 
-    target = Path(path)
     try:
-        handle, temporary = tempfile.mkstemp(prefix=f".{target.name}.", dir=target.parent)
-    except OSError as error:
-        fail(f"{path}: {error.strerror or error}")
+        write_text(Path(path), text)
+    except InputError as error:
+        fail(str(error))
+
+
+def not_nan(context: click.Context, parameter: click.Parameter, value: float) -> float:
+    """Callback of options whose range does not keep `nan` out."""
+    if math.isnan(value):
+        raise click.BadParameter("nan is not a number.")
+    return value
+
+
+def load_named(file: Path, scene: str | None, robot: str | None, sketch: str | None) -> Trace:
+    """The trace of FILE, a plan or a trace, with what `trace_options` give for it.
+
+    Raises:
+        InputError: what is wrong with the file or an option, and what to do about it.
+    """
+    from runtime.errors import InputError
+    from runtime.trace.load import load_trace
+
+    given = {"--scene": scene, "--robot": robot, "--sketch": sketch}
+    _refuse_for_traces(file, [option for option, value in given.items() if value is not None])
     try:
-        with os.fdopen(handle, "w", encoding="utf-8") as file:
-            file.write(text)
-        os.chmod(temporary, 0o666 & ~_umask())
-        os.replace(temporary, target)
-    except OSError as error:
-        os.unlink(temporary)
-        fail(f"{path}: {error.strerror or error}")
-    except BaseException:
-        os.unlink(temporary)
-        raise
+        return load_trace(file, scene, robot, sketch)
+    except InputError as error:
+        option = _option_for(error)
+        if option is None or given[option] is not None:
+            raise
+        raise InputError(
+            f"the plan names what is not here: {error.message}",
+            place=error.place,
+            hint=f"a path in a plan starts from the current folder: give {option} FILE",
+        ) from None
 
 
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
+def _refuse_for_traces(file: Path, options: list[str]) -> None:
+    from runtime.errors import InputError
+    from runtime.trace.node import read_json
+    from runtime.trace.write import FORMAT
+
+    if not options:
+        return
+    data = read_json(file).value
+    if isinstance(data, dict) and data.get("format") == FORMAT:
+        raise InputError(
+            "a trace holds its scene, its robot and its sketch",
+            place=str(file),
+            hint=f"leave out {' and '.join(options)}",
+        )
+
+
+def _option_for(error: InputError) -> str | None:
+    """The option that stands in for what a plan names and an error misses."""
+    if error.message.startswith("there is no scene"):
+        return "--scene"
+    lost = error.message == "no such file" and str(error.place).endswith(".toml")
+    return "--robot" if lost or error.message.startswith("unknown robot") else None
 
 
 class Places:

@@ -3,15 +3,24 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
 import click
 
-from sketchlang.cli.common import fail, interruptible, load_valid
+from sketchlang.cli.common import (
+    fail,
+    interruptible,
+    keep_apart,
+    load_named,
+    load_valid,
+    look_ahead,
+)
 
 if TYPE_CHECKING:
     from runtime.execution.execute import Report
+    from runtime.trace.model import Trace, TraceRobot
 
 # Those of `runtime.execution.disturb`, which is imported only where it is needed.
 DISTURBANCES = ("none", "pushed", "failed-grasp", "dropped", "obstacle", "noise")
@@ -81,44 +90,71 @@ def command(
     if closed_loop:
         if scene_argument is None:
             fail("--closed-loop wants a sketch and a scene: sketchlang execute SKETCH SCENE")
+        if scene is not None or sketch is not None:
+            fail("--scene and --sketch are for plans: the closed loop takes SKETCH and SCENE")
+        check_output(trace, (file, scene_argument, robot))
         _closed(file, scene_argument, robot, disturbance, seed, gui, trace, as_json)
     if scene_argument is not None or disturbance != "none" or seed:
         fail("a plan is executed as it is: SCENE, --disturbance and --seed need --closed-loop")
+    check_output(trace, (file, scene, robot, sketch))
     try:
         from runtime.execution.execute import execute, to_json
-        from runtime.trace.load import load_trace
         from runtime.trace.write import write_trace
 
-        planned = load_trace(Path(file), scene, robot, sketch)
+        planned = load_named(Path(file), scene, robot, sketch)
         report, happened = execute(planned, gui)
         if trace is not None:
             write_trace(happened, trace)
     except InputError as error:
         fail(str(error))
     if as_json:
-        click.echo(json.dumps({"plan": file} | to_json(report, planned)))
+        largest = {"tracking_largest": largest_errors(report, planned.robot)}
+        click.echo(json.dumps({"plan": file} | to_json(report, planned) | largest))
     else:
-        for line in summary(report, file):
+        for line in summary(report, file, planned.robot):
             click.echo(line)
         if trace is not None:
             click.echo(f"trace written to {trace}")
     raise SystemExit(0 if report.success else 1)
 
 
-def summary(report: Report, name: str) -> list[str]:
+def check_output(trace: Path | None, inputs: Iterable[str | None]) -> None:
+    """Find out before the simulation whether its trace can be written."""
+    if trace is not None:
+        keep_apart(inputs, {"--trace": trace})
+        look_ahead(trace)
+
+
+def largest_errors(report: Report, robot: TraceRobot) -> dict[str, float]:
+    """The largest tracking errors by kind: a torso slides, its error is no angle."""
+    largest = report.tracking.largest
+    joints = list(zip(map(robot.joint, robot.joints), largest[3:].tolist(), strict=True))
+    turning = [error for joint, error in joints if joint.type != "prismatic"]
+    sliding = [error for joint, error in joints if joint.type == "prismatic"]
+    return {
+        "base_m": round(float(max(largest[:2])), 6),
+        "heading_rad": round(float(largest[2]), 6),
+        "turning_joints_rad": round(max(turning, default=0.0), 6),
+        "sliding_joints_m": round(max(sliding, default=0.0), 6),
+    }
+
+
+def summary(report: Report, name: str, robot: TraceRobot) -> list[str]:
     """A report in a few lines."""
     near = sum(pose.near for pose in report.objects)
-    farthest = max(report.objects, key=lambda pose: pose.error)
+    farthest = max(report.objects, key=lambda pose: pose.error, default=None)
     verdict = "goal reached" if report.goal_reached else "goal not reached"
-    tracking = report.tracking
+    base, heading, turning, sliding = (
+        1000 * error for error in largest_errors(report, robot).values()
+    )
     lines = [
         f"{name}: {verdict}, {near} of {len(report.objects)} objects within 10 mm of the plan, "
         f"{report.duration:.0f} s",
-        f"  largest error      {1000 * farthest.error:.1f} mm ({farthest.object})",
-        f"  tracking, largest  base {1000 * max(tracking.largest[:2]):.1f} mm "
-        f"{1000 * tracking.largest[2]:.1f} mrad, "
-        f"joints {1000 * max(tracking.largest[3:]):.1f} mrad",
+        f"  tracking, largest  base {base:.1f} mm {heading:.1f} mrad, "
+        f"joints {turning:.1f} mrad {sliding:.1f} mm",
     ]
+    if farthest is not None:
+        lines.insert(1, f"  largest error      {1000 * farthest.error:.1f} mm ({farthest.object})")
     lines += [f"  missing: {message}" for message in report.unmet]
     lines += [f"  {pose.object} has fallen" for pose in report.objects if pose.lean > 0.2]
     for slip in report.slips:
@@ -195,4 +231,14 @@ def _closed(
             f"{verdict.subplans} subplans, {verdict.broken_off} broken off, "
             f"{len(verdict.touches)} touches, {verdict.duration:.0f} s"
         )
+    if trace is not None:
+        _tell_of_trace(trace, happened, as_json)
     raise SystemExit(0 if verdict.goal_reached else 1)
+
+
+def _tell_of_trace(path: Path, happened: Trace | None, as_json: bool) -> None:
+    if happened is None:
+        # Standard output belongs to the one object.
+        click.echo("nothing was done: no trace was written", err=as_json)
+    elif not as_json:
+        click.echo(f"trace written to {path}")

@@ -7,7 +7,18 @@ from pathlib import Path
 
 import click
 
-from sketchlang.cli.common import fail, interruptible, trace_options
+from sketchlang.cli.common import (
+    fail,
+    interruptible,
+    keep_apart,
+    load_named,
+    look_ahead,
+    not_nan,
+    trace_options,
+)
+
+ROUNDING = 0.01
+"""Seconds by which `--at` may be beyond the end: durations are printed rounded."""
 
 
 @click.command(
@@ -28,6 +39,7 @@ Examples:
 @click.option(
     "--at",
     type=click.FloatRange(min=0),
+    callback=not_nan,
     default=0.0,
     show_default=True,
     metavar="S",
@@ -49,12 +61,22 @@ def command(
     Exit 0: written. 2: bad input.
     """
     from runtime.errors import InputError
-    from runtime.trace.load import load_trace
 
     if trajectory is None and bag is None and glb is None:
         fail("nothing to write: give --trajectory, --bag or --glb")
+    outputs = {"--trajectory": trajectory, "--bag": bag, "--glb": glb}
+    keep_apart((file, scene, robot, sketch), outputs)
+    for option, path in outputs.items():
+        if path is not None:
+            look_ahead(path, folder=option == "--bag")
     try:
-        trace = load_trace(file, scene, robot, sketch)
+        if bag is not None:
+            from runtime.export.bag import check_bag
+
+            check_bag(bag)
+        trace = load_named(file, scene, robot, sketch)
+        if glb is not None and at > trace.duration + ROUNDING:
+            fail(f"--at: {at:g} s is after the end, {trace.duration:.2f} s")
         if trajectory is not None:
             from runtime.export.messages import trajectories
             from runtime.files import write_text

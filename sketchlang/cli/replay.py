@@ -6,7 +6,16 @@ from pathlib import Path
 
 import click
 
-from sketchlang.cli.common import fail, interruptible, trace_options, write_file
+from sketchlang.cli.common import (
+    fail,
+    interruptible,
+    keep_apart,
+    load_named,
+    look_ahead,
+    not_nan,
+    trace_options,
+    write_file,
+)
 
 
 @click.command(
@@ -29,7 +38,8 @@ Examples:
 @click.option("--mp4", type=click.Path(path_type=Path, dir_okay=False), help="Write a film.")
 @click.option(
     "--speed",
-    type=click.FloatRange(min=0, min_open=True),
+    type=click.FloatRange(0.1, 100),
+    callback=not_nan,
     default=8.0,
     show_default=True,
     help="Of the film, times real time.",
@@ -57,12 +67,20 @@ def command(
     Exit 0: written. 2: bad input.
     """
     from runtime.errors import InputError
-    from runtime.trace.load import load_trace
 
     if html is None and png is None and mp4 is None and trace is None:
         fail("nothing to write: give --html, --png, --mp4 or --trace")
+    outputs = {"--html": html, "--png": png, "--mp4": mp4, "--trace": trace}
+    keep_apart((file, scene, robot, sketch), outputs)
+    for option, path in outputs.items():
+        if path is not None:
+            look_ahead(path, folder=option == "--png")
     try:
-        found = load_trace(file, scene, robot, sketch)
+        if mp4 is not None:
+            from runtime.view.pictures import check_film
+
+            check_film(mp4)
+        found = load_named(file, scene, robot, sketch)
         if trace is not None:
             from runtime.trace.write import write_trace
 

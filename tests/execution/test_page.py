@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from runtime.trace.kinematics import Tree, links_at, object_at
+from runtime.trace.model import Event
 from runtime.view.browser import Browser, find_browser
 from runtime.view.page import page
 
@@ -79,3 +81,59 @@ def test_it_plays_and_pauses(browser) -> None:
 def test_a_click_on_a_subgoal_goes_there(browser, trace) -> None:
     browser.evaluate("document.querySelectorAll('#subgoals li')[2].click()")
     assert browser.evaluate("replay.time") == pytest.approx(trace.subgoals[2].start, abs=1e-5)
+
+
+def press(browser: Browser, key: str) -> None:
+    """A key as a person presses it; what has the focus gets it."""
+    code = {" ": 32, "PageUp": 33, "PageDown": 34}[key]
+    event = {"key": key, "windowsVirtualKeyCode": code} | ({"text": " "} if key == " " else {})
+    browser.call("Input.dispatchKeyEvent", {"type": "keyDown"} | event)
+    browser.call("Input.dispatchKeyEvent", {"type": "keyUp"} | event)
+
+
+def click_on(browser: Browser, name: str) -> None:
+    """A click as a person makes it: it moves the focus."""
+    script = f"(({{x, y}}) => [x + 5, y + 5])(document.getElementById('{name}')"
+    x, y = browser.evaluate(f"{script}.getBoundingClientRect())")
+    at = {"x": x, "y": y, "button": "left", "clickCount": 1}
+    for kind in ("mousePressed", "mouseReleased"):
+        browser.call("Input.dispatchMouseEvent", {"type": kind} | at)
+
+
+@needs_browser
+def test_keys_work_after_a_click_on_a_button(browser, trace) -> None:
+    browser.evaluate("replay.play(false); replay.seek(0)")
+    click_on(browser, "forward")
+    second, third = (subgoal.start for subgoal in trace.subgoals[1:3])
+    assert browser.evaluate("replay.time") == pytest.approx(second, abs=1e-5)
+    press(browser, "PageDown")
+    assert browser.evaluate("replay.time") == pytest.approx(third, abs=1e-5)
+    press(browser, "PageUp")
+    assert browser.evaluate("replay.time") == pytest.approx(second, abs=1e-5)
+    press(browser, " ")
+    assert browser.evaluate("replay.playing")
+    assert browser.evaluate("replay.time") < third - 1
+    browser.evaluate("document.getElementById('follow').focus()")
+    press(browser, "PageDown")
+    assert browser.evaluate("replay.time") >= third - 1e-5
+    browser.evaluate("replay.play(false); document.activeElement.blur()")
+
+
+@needs_browser
+def test_a_plan_without_actions_and_its_verdict(trace, tmp_path) -> None:
+    events = (Event(0.1, "verdict", "the object is lost"), Event(0.2, "verdict", "goal reached"))
+    path = tmp_path / "replay.html"
+    empty = replace(trace, subgoals=(), actions=(), events=events, duration=1.0)
+    path.write_text(page(empty), encoding="utf-8")
+    with Browser(640, 400) as browser:
+        browser.open(path)
+        browser.evaluate("replay.seek(0.5)")
+        for key, time in (("PageUp", 0.0), ("PageDown", 1.0)):
+            press(browser, key)
+            assert browser.evaluate("replay.time") == time
+        assert not [e for e in browser.events if e["method"] == "Runtime.exceptionThrown"]
+        colours = browser.evaluate(
+            "[...document.querySelectorAll('#events li')].map((e) => getComputedStyle(e).color)"
+        )
+    assert colours[0] == "rgb(179, 38, 30)"
+    assert colours[1] != colours[0]

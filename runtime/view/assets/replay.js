@@ -320,7 +320,8 @@
   });
   $("events-box").hidden = !trace.events.length;
   for (const event of trace.events) {
-    const item = make("li", event.kind, `${clock(event.time)}  ${event.text}`);
+    const failed = event.kind === "verdict" && event.text !== "goal reached";
+    const item = make("li", failed ? "verdict failure" : event.kind, `${clock(event.time)}  ${event.text}`);
     item.addEventListener("click", () => seek(event.time));
     $("events").append(item);
   }
@@ -408,8 +409,8 @@
     $("play").textContent = on ? "❚❚" : "▶";
   };
   const jump = (step) => {
-    const i = current(trace.subgoals, now);
-    const back = step < 0 && now - trace.subgoals[i].start > 1.5; // first to the start of this one
+    const i = current(trace.subgoals, now), here = trace.subgoals[i];
+    const back = step < 0 && here && now - here.start > 1.5; // first to the start of this one
     const goal = trace.subgoals[i + (back ? 0 : step)];
     seek(goal ? goal.start : step < 0 ? 0 : trace.duration);
   };
@@ -418,9 +419,16 @@
   $("forward").addEventListener("click", () => jump(1));
   $("seek").addEventListener("input", () => seek(Number($("seek").value)));
   $("speed").addEventListener("change", () => { speed = Number($("speed").value); });
+  // What was clicked does not keep the focus: space plays and pauses, it does not click again.
+  // A click by keyboard (detail 0) keeps it, or tab would start anew.
+  $("controls").addEventListener("click", (event) => {
+    if (event.detail && event.target.matches("button, input[type=checkbox]")) event.target.blur();
+  });
   document.addEventListener("keydown", (event) => {
-    if (event.target.matches("select, input[type=checkbox], button")) return;
-    const act = { " ": () => play(!playing), PageUp: () => jump(-1), PageDown: () => jump(1) }[event.key];
+    const { key, target } = event;
+    if (event.ctrlKey || event.altKey || event.metaKey || target.matches("select")) return;
+    if (key === " " && target.matches("button, input[type=checkbox]")) return; // presses it
+    const act = { " ": () => play(!playing), PageUp: () => jump(-1), PageDown: () => jump(1) }[key];
     if (act) { act(); event.preventDefault(); }
   });
 
