@@ -7,6 +7,7 @@ on the arrangement alone, so the same state always has the same features.
 
 from __future__ import annotations
 
+import math
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -58,6 +59,7 @@ class Arrangement:
         self.xy = self.boxes[:, :2]
         self.misplaced: dict[Grasp | None, frozenset[int]] = {}
         self._alpha: dict[tuple[int, Grasp | None], int] = {}
+        self._inherited = False
         self._open: dict[int, tuple[Ints, Ints]] = {}
         self._places: dict[object, tuple[Ints, Ints]] = {}
 
@@ -151,6 +153,9 @@ class Arrangement:
             else:
                 before, i = self._origin
                 known, counts = before.place_counts(goal, grip)
+                if self._is_far(goal):
+                    self._places[key] = known, counts
+                    return known, counts
                 column = swept.barred_matrix(goal.xy, grips, self.boxes[i : i + 1], strip)[:, 0]
                 gone, come = known[:, i] * before.present[i], column * self.present[i]
                 if gone.any() or come.any():
@@ -162,6 +167,34 @@ class Arrangement:
             self._places[key] = barred, counts
         return self._places[key]
 
+    def _is_far(self, goal: GoalSites) -> bool:
+        """Whether what moved is, before and after, too far from a goal to matter there."""
+        assert self._origin is not None
+        before, i = self._origin
+        (x, y), radius = goal.circle
+        reach = radius + self.task.strip[2] + self.task.strip[3] + MAX_HALF
+        return not any(
+            one.present[i] and math.hypot(one.xy[i, 0] - x, one.xy[i, 1] - y) < reach
+            for one in (before, self)
+        )
+
+    def _inherit(self) -> None:
+        """Carry over alpha of objects whose ways what moved neither barred nor bars."""
+        if self._origin is None or self.task.words is not None:
+            return
+        before, i = self._origin
+        gone, come = before.barred[:, i] * before.present[i], self.barred[:, i] * self.present[i]
+        same = (gone == come).tolist()
+        far: dict[object, bool] = {}
+        for (index, grasp), alpha in before._alpha.items():
+            goal = self.task.goals.get(index)
+            if grasp is not None or index == i or not same[index] or goal is None:
+                continue
+            if goal.key not in far:
+                far[goal.key] = self._is_far(goal)
+            if far[goal.key]:
+                self._alpha[index, None] = alpha
+
     def settle(self) -> None:
         """Compute what has been put off and let go of the origin."""
         if self._origin is not None:
@@ -171,6 +204,9 @@ class Arrangement:
     def obstructions(self, index: int, goal: GoalSites, grasp: Grasp | None = None) -> int:
         """alpha: fewest objects in the way of picking an object up and putting it at its
         goal, with the same grasp for both; of putting it alone where it is held already."""
+        if not self._inherited:
+            self._inherited = True
+            self._inherit()
         key = (index, grasp)
         if key not in self._alpha:
             self._alpha[key] = self._obstructions(index, goal, grasp, None)

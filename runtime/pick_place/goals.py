@@ -55,6 +55,12 @@ class GoalSites:
         return self.yaw is None or turn_error(yaw - self.yaw, self.symmetry) < 0.05
 
     @cached_property
+    def circle(self) -> tuple[tuple[float, float], float]:
+        """Centre and radius, in metres, of a circle around the sites."""
+        x, y = (self.xy.min(axis=0) + self.xy.max(axis=0)) / 2
+        return (x, y), float(np.hypot(self.xy[:, 0] - x, self.xy[:, 1] - y).max())
+
+    @cached_property
     def placements(self) -> tuple[Placement, ...]:
         """One placement a site."""
         yaw = self.yaw or 0.0

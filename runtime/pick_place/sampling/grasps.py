@@ -15,6 +15,10 @@ from runtime.pick_place.task import Task
 Picks = list[tuple[int, tuple[Grasp, ...]]]
 """Objects, each with the grasps to try."""
 
+NEAREST = 24
+"""At the first attempt only so many of the relevant objects, the nearest ones, are picked up:
+a subgoal is rarely far, and what a subgoal costs shall not grow with the scene."""
+
 NARROW = 1e-3
 """Metres by which a grasp may be wider than the narrowest one and still count as narrow."""
 
@@ -115,7 +119,8 @@ class GraspSampler:
                     relevant |= set(arrangement.in_the_way(index, goal))
             standing = [i for i in standing if i in relevant]
         x, y = state.base.x, state.base.y
-        return sorted(
+        nearest = sorted(
             standing,
             key=lambda i: (state.placements[i].x - x) ** 2 + (state.placements[i].y - y) ** 2,  # type: ignore[union-attr]
         )
+        return nearest[:NEAREST] if draw.attempt == 0 else nearest

@@ -12,6 +12,9 @@ from domains.tabletop import Object, disturbances, misplaced, obstructions
 from runtime.kernels.swept import PLAY, STEP
 from runtime.pick_place.state import BasePose, Grasp, MoveBase, Pick, Place, Placement, State
 from runtime.pick_place.task import Task
+from runtime.robot.load import load_robot
+from runtime.scene.generate import sorting_scene
+from runtime.scene.load import load_scene
 from runtime.scene.model import UprightBox
 from sketchlang.compile import CompiledSketch, compile_sketch
 from sketchlang.loader import load_sketch
@@ -294,3 +297,29 @@ def test_features_survive_a_full_cache(tmp_path, sketch) -> None:
 def test_a_goal_state_has_nothing_misplaced(tmp_path, sketch) -> None:
     the = task(tmp_path, stick("a", 0.8, -0.9), ON_RIGHT.format("a"))
     assert sketch.model.is_goal(sketch.evaluate(the.initial))
+
+
+def test_what_is_carried_over_is_what_would_be_computed_anew(tmp_path) -> None:
+    """In a scene of many tables most objects are far from what moves."""
+    path = tmp_path / "many.toml"
+    path.write_text(sorting_scene(40, seed=3), encoding="utf-8")
+    scene, robot = load_scene(path), load_robot("tiago")
+    the, rng = Task(scene, robot), np.random.default_rng(5)
+    state, values = the.initial, set()
+    for step in range(40):
+        if state.held is None:
+            index = int(rng.integers(2, len(scene.objects)))
+            state = state.after(Pick(index, Grasp.of(rng.uniform(0, 6), 0.12)))
+        else:
+            # Around two objects that stay, so that some bar the way to others.
+            beside, angle = state.placements[int(rng.integers(2))], rng.uniform(0, 6)
+            assert beside is not None
+            x, y = beside.pose[0] + 0.06 * math.cos(angle), beside.pose[1] + 0.06 * math.sin(angle)
+            state = state.after(Place(state.held, Placement.of(x, y, angle, beside.surface)))
+        found = [the.obstructions(state, i) for i in range(len(scene.objects))]
+        if step % 5 >= 3:
+            fresh = Task(scene, robot)
+            anew = State(state.base, state.placements, state.held, state.grasp, fresh)
+            assert found == [fresh.obstructions(anew, i) for i in range(len(scene.objects))]
+        values |= set(found)
+    assert len(values) > 2
