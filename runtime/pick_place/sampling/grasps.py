@@ -15,7 +15,7 @@ from runtime.pick_place.task import Task
 Picks = list[tuple[int, tuple[Grasp, ...]]]
 """Objects, each with the grasps to try."""
 
-NEAREST = 24
+NEAREST = 14
 """At the first attempt only so many of the relevant objects, the nearest ones, are picked up:
 a subgoal is rarely far, and what a subgoal costs shall not grow with the scene."""
 
