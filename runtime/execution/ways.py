@@ -93,13 +93,15 @@ class Ways:
         Back the way it came is best, with the fingers, if empty, as wide as there is room.
         Where that is barred, it goes back as far as is free and from there a new way.
         """
-        openings = self._openings()
         back = _joints(trace, start, end)[::-1]
-        for opening in openings:
-            if _free_points(self._now(opening), back) == len(back):
+        seen = self.senses.look(LOOKS)
+        held = self._held(seen)
+        tests = [(o, self._context(seen, o, held)) for o in self._openings()]
+        for opening, context in tests:
+            if _free_points(context, back) == len(back):
                 return opening, _reversed(trace, start, end)
-        for opening in openings:
-            path = self._anew(self._now(opening), back)
+        for opening, context in tests:
+            path = self._anew(context, back)
             if path is not None:
                 return opening, self._timed(path)
         return None
@@ -128,12 +130,8 @@ class Ways:
         builder.through(points, times)
         return builder.track()
 
-    def _now(self, opening: float) -> ArmContext:
-        """Collision tests among what is seen now, with the fingers `opening` metres apart."""
-        seen = self.senses.look(LOOKS)
-        return self._context(seen, opening, self._held(seen))
-
     def _context(self, seen: Seen, opening: float, held: Box | None) -> ArmContext:
+        """Collision tests among what is seen, with the fingers `opening` metres apart."""
         rows = to_base_frame(seen_rows(self.scene, seen), *map(float, seen.base), REACH)
         return ArmContext(self.robot, self.robot.body(opening, held), rows)
 

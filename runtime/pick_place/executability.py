@@ -76,6 +76,7 @@ class Executor:
         self.profile = profile or Profile()
         self.solver = ReachSolver(task.robot)
         self._roads: dict[object, BaseRoads] = {}
+        self._latest: tuple[State, Pick | Place, _Question] | None = None
         self._answers: OrderedDict[object, Reach | Motion | None] = OrderedDict()
 
     # -- step 1 --------------------------------------------------------------------------
@@ -113,6 +114,12 @@ class Executor:
         return reach
 
     def _question(self, state: State, action: Pick | Place) -> _Question:
+        """Mostly that of the step before: the boxes around are gathered once for both steps."""
+        if self._latest is None or self._latest[0] is not state or self._latest[1] is not action:
+            self._latest = state, action, self._new_question(state, action)
+        return self._latest[2]
+
+    def _new_question(self, state: State, action: Pick | Place) -> _Question:
         task = self.task
         target = target_of(state, action)
         index, placement, _ = target

@@ -48,7 +48,7 @@ def trace_of(data: Node) -> Trace:
         )
     scene, robot, sketch = scene_of(data["scene"]), robot_of(data["robot"]), _sketch(data["sketch"])
     names = [thing.name for thing in scene.objects]
-    subgoals = tuple(_subgoal(node) for node in data["subgoals"].each())
+    subgoals = tuple(_subgoal(node, sketch) for node in data["subgoals"].each())
     objects = data["objects"].each()
     if len(objects) != len(names):
         raise data["objects"].fail(f"{len(objects)} entries for {len(names)} objects")
@@ -56,9 +56,6 @@ def trace_of(data: Node) -> Trace:
     duration = data["duration"].number()
     if not 0 <= duration <= LONGEST:
         raise data["duration"].fail(f"a trace lasts from 0 to {LONGEST:g} seconds")
-    for node in data["subgoals"].each():
-        for key in ("before", "after"):
-            _features(node[key], sketch)
     return Trace(
         source=data["source"].choice("plan", "execution"),
         tool_version=data["tool_version"].text(),
@@ -88,12 +85,6 @@ def trace_of(data: Node) -> Trace:
             for node in data["events"].each()
         ),
     )
-
-
-def _features(node: Node, sketch: TraceSketch) -> None:
-    """Every feature of the sketch has a value."""
-    for name, _ in sketch.features:
-        node[name].whole()
 
 
 def _span_of_time(node: Node) -> tuple[float, float]:
@@ -130,11 +121,14 @@ def _spans(node: Node, links: set[str]) -> tuple[Span, ...]:
     return tuple(spans)
 
 
-def _subgoal(node: Node) -> TraceSubgoal:
+def _subgoal(node: Node, sketch: TraceSketch) -> TraceSubgoal:
     values = {
         key: {name: value.whole() for name, value in node[key].items()}
         for key in ("before", "after", "rejected")
     }
+    for key in ("before", "after"):
+        for name, _ in sketch.features:
+            node[key][name].whole()  # every feature of the sketch has a value
     counts = {key: node[key].whole() for key in ("expanded", "generated", "attempt", "width")}
     start, end = _span_of_time(node)
     return TraceSubgoal(

@@ -6,7 +6,7 @@ import functools
 import math
 import os
 import sys
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn, ParamSpec, TypeVar
 
@@ -110,6 +110,19 @@ def _try_to_write(path: str | Path, folder: str) -> None:
         tempfile.TemporaryFile(dir=folder).close()
     except OSError as error:
         fail(f"{path}: cannot be written: {error.strerror or error}")
+
+
+def check_outputs(
+    inputs: Iterable[str | Path | None],
+    outputs: Mapping[str, Path | None],
+    folders: Collection[str] = (),
+) -> None:
+    """Ends the command if an output, by its option, would overwrite something else or cannot be
+    written: before the work and not after it. `folders` are the options that write a folder."""
+    keep_apart(inputs, outputs)
+    for option, path in outputs.items():
+        if path is not None:
+            look_ahead(path, folder=option in folders)
 
 
 def keep_apart(inputs: Iterable[str | Path | None], outputs: Mapping[str, Path | None]) -> None:

@@ -3,20 +3,12 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
 import click
 
-from sketchlang.cli.common import (
-    fail,
-    interruptible,
-    keep_apart,
-    load_named,
-    load_valid,
-    look_ahead,
-)
+from sketchlang.cli.common import check_outputs, fail, interruptible, load_named, load_valid
 
 if TYPE_CHECKING:
     from runtime.execution.execute import Report
@@ -92,11 +84,11 @@ def command(
             fail("--closed-loop wants a sketch and a scene: sketchlang execute SKETCH SCENE")
         if scene is not None or sketch is not None:
             fail("--scene and --sketch are for plans: the closed loop takes SKETCH and SCENE")
-        check_output(trace, (file, scene_argument, robot))
+        check_outputs((file, scene_argument, robot), {"--trace": trace})
         _closed(file, scene_argument, robot, disturbance, seed, gui, trace, as_json)
     if scene_argument is not None or disturbance != "none" or seed:
         fail("a plan is executed as it is: SCENE, --disturbance and --seed need --closed-loop")
-    check_output(trace, (file, scene, robot, sketch))
+    check_outputs((file, scene, robot, sketch), {"--trace": trace})
     try:
         from runtime.execution.execute import execute, to_json
         from runtime.trace.write import write_trace
@@ -116,13 +108,6 @@ def command(
         if trace is not None:
             click.echo(f"trace written to {trace}")
     raise SystemExit(0 if report.success else 1)
-
-
-def check_output(trace: Path | None, inputs: Iterable[str | None]) -> None:
-    """Find out before the simulation whether its trace can be written."""
-    if trace is not None:
-        keep_apart(inputs, {"--trace": trace})
-        look_ahead(trace)
 
 
 def largest_errors(report: Report, robot: TraceRobot) -> dict[str, float]:

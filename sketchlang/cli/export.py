@@ -8,11 +8,10 @@ from pathlib import Path
 import click
 
 from sketchlang.cli.common import (
+    check_outputs,
     fail,
     interruptible,
-    keep_apart,
     load_named,
-    look_ahead,
     not_nan,
     trace_options,
 )
@@ -65,10 +64,7 @@ def command(
     if trajectory is None and bag is None and glb is None:
         fail("nothing to write: give --trajectory, --bag or --glb")
     outputs = {"--trajectory": trajectory, "--bag": bag, "--glb": glb}
-    keep_apart((file, scene, robot, sketch), outputs)
-    for option, path in outputs.items():
-        if path is not None:
-            look_ahead(path, folder=option == "--bag")
+    check_outputs((file, scene, robot, sketch), outputs, folders=["--bag"])
     try:
         if bag is not None:
             from runtime.export.bag import check_bag

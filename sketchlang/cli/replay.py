@@ -7,11 +7,10 @@ from pathlib import Path
 import click
 
 from sketchlang.cli.common import (
+    check_outputs,
     fail,
     interruptible,
-    keep_apart,
     load_named,
-    look_ahead,
     not_nan,
     trace_options,
     write_file,
@@ -71,10 +70,7 @@ def command(
     if html is None and png is None and mp4 is None and trace is None:
         fail("nothing to write: give --html, --png, --mp4 or --trace")
     outputs = {"--html": html, "--png": png, "--mp4": mp4, "--trace": trace}
-    keep_apart((file, scene, robot, sketch), outputs)
-    for option, path in outputs.items():
-        if path is not None:
-            look_ahead(path, folder=option == "--png")
+    check_outputs((file, scene, robot, sketch), outputs, folders=["--png"])
     try:
         if mp4 is not None:
             from runtime.view.pictures import check_film
