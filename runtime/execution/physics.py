@@ -350,6 +350,8 @@ def quiet() -> Iterator[None]:
         os.dup2(sink, 2)
         yield
     finally:
+        if os.name == "posix":
+            ctypes.CDLL(None).fflush(None)  # what C has buffered would come out at the end
         for number, kept in enumerate(keep, 1):
             os.dup2(kept, number)
             os.close(kept)

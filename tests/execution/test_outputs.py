@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 from dataclasses import replace
@@ -402,3 +403,13 @@ def test_the_floor_of_a_wide_scene_is_not_of_a_million_tiles(trace) -> None:
         assert studio.bullet.getNumBodies() < 2500
     finally:
         studio.close()
+
+
+def test_what_native_code_prints_does_not_come_out_at_the_end() -> None:
+    """C buffers standard output where it is no terminal, unless Python is told not to."""
+    code = "from runtime.execution.physics import connect; connect(False).disconnect()"
+    buffered = {k: v for k, v in os.environ.items() if k != "PYTHONUNBUFFERED"}
+    command = [sys.executable, "-c", code]
+    done = subprocess.run(command, capture_output=True, text=True, env=buffered, check=True)
+    assert done.stdout == ""
+    assert done.stderr == ""
