@@ -3,8 +3,8 @@
     python -m benchmarks.estimates [SCENE...]
 
 For every object of a scene and every heading from which the robot could come, the estimate
-(`runtime/kernels/swept.py`) says whether something bars the way. Here collision-aware inverse
-kinematics says whether a grasp, with its straight approach and retreat, is found from one of
+(`domains/tabletop/features/swept.py`) says whether something bars the way. Here inverse
+kinematics among obstacles says whether a grasp, with its approach and retreat, is found from one of
 some random base poses. Prints how often the two differ, and in which direction: an optimistic
 estimate sends the search after picks that fail, a pessimistic one moves objects needlessly.
 """
@@ -16,10 +16,10 @@ from collections import Counter
 
 import numpy as np
 
-from runtime.kernels.swept import HEADINGS, STEP
-from runtime.pick_place.problem import PickPlaceProblem, load_problem
-from runtime.pick_place.state import UNIT, Grasp, Pick, State
-from runtime.scene.library import find_scene
+from domains.library import find_scene
+from domains.tabletop.features.swept import HEADINGS, STEP
+from domains.tabletop.problem import PickPlaceProblem, load_problem
+from domains.tabletop.state import UNIT, Grasp, Pick, State
 
 SCENES = ("sorting/3t-25", "sorting/1t-20", "sorting/4t-28", "non_monotonic/2t-11", "words/tamp")
 BASES = 8

@@ -28,8 +28,8 @@ def measure(together: float | None) -> None:
 
     if together is not None:
         arm.TOGETHER = together
-    from runtime.pick_place.problem import load_problem
-    from runtime.scene.library import find_scene
+    from domains.library import find_scene
+    from domains.tabletop.problem import load_problem
     from runtime.search.limits import Limits
     from runtime.search.siw_r import lazy_siiw_r
     from sketchlang.compile import compile_sketch

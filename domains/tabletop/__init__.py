@@ -1,6 +1,6 @@
 """Objects on tables, and a robot that moves them: the functions that sketches can call.
 
-They ask the state's task, which knows the geometry of the scene (`runtime.pick_place`).
+They ask the state's task, which knows the geometry of the scene (`domains.tabletop.world`).
 Nothing heavy is imported here: `sketchlang check` reads these signatures.
 """
 
@@ -9,12 +9,12 @@ from __future__ import annotations
 from collections.abc import Hashable, Iterable, Mapping
 from typing import TYPE_CHECKING
 
-from runtime.pick_place.state import Placement
+from domains.tabletop.state import Placement
 from sketchlang.domain import Domain, Nat
 
 if TYPE_CHECKING:
-    from runtime.pick_place.problem import PickPlaceProblem
-    from runtime.pick_place.state import State
+    from domains.tabletop.problem import PickPlaceProblem
+    from domains.tabletop.state import State
 
 domain = Domain("tabletop", summary="Pick and place of objects on tables with a mobile robot")
 
@@ -87,6 +87,6 @@ def object_at(state: State) -> Iterable[Hashable]:
 @domain.scenes
 def load(path: str, options: Mapping[str, object]) -> PickPlaceProblem:
     """The problem of a scene file; options: `robot` (name or file), `seed`, `name`."""
-    from runtime.pick_place.problem import load_problem
+    from domains.tabletop.problem import load_problem
 
     return load_problem(path, options)

@@ -113,9 +113,9 @@ def run_job(job: Job) -> dict[str, Any]:
     """Plan once, certify the plan, and say what came out. Runs in a process of its own."""
     import numpy as np
 
+    from domains.library import find_scene
     from runtime.collector import spared
     from runtime.report import make_report
-    from runtime.scene.library import find_scene
     from runtime.search.limits import Limits
     from runtime.search.planners import PLANNERS
     from runtime.search.problem import searchable

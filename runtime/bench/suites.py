@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from domains.tabletop.scene.generate import sorting_scene
 from runtime.bench.paper import SCENES
 from runtime.bench.runner import Job
 from runtime.errors import InputError
 from runtime.files import write_text
-from runtime.scene.generate import sorting_scene
 from runtime.search.planners import PLANNERS
 
 SIZES = (10, 28, 56, 112, 200)

@@ -6,12 +6,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from runtime.judge.certify import upright
 from runtime.robot.model import Floats
 from runtime.robot.urdf import Joint
+from runtime.show.colours import TABLE, WALL, Colour, of_links, of_object
 from runtime.trace.kinematics import Tree, links_at, object_at
 from runtime.trace.model import Trace, TraceRobot
-from runtime.validation.certify import upright
-from runtime.view.colours import TABLE, WALL, Colour, of_links, of_object
 
 Y_UP = np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
 """glTF has y upwards, scenes have z."""

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from runtime.plan import FORMAT as PLAN_FORMAT
-from runtime.plan import read_plan
+from domains.library import find_scene
+from domains.tabletop.scene.load import load_scene
+from runtime.plan.format import FORMAT as PLAN_FORMAT
+from runtime.plan.format import read_plan
 from runtime.robot.load import load_robot
-from runtime.scene.library import find_scene
-from runtime.scene.load import load_scene
 from runtime.trace.make import trace_of_plan
 from runtime.trace.model import Trace
 from runtime.trace.node import read_json

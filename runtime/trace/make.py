@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from domains.tabletop.scene.model import Scene
 from runtime.angles import wrap
 from runtime.errors import InputError
 from runtime.motion.motion import ArmMove, BaseMove, GripperMove
-from runtime.plan import Plan, PlanAction, TimedPiece
+from runtime.plan.format import Plan, PlanAction, TimedPiece
 from runtime.robot.model import Floats, RobotModel
-from runtime.scene.model import Scene
 from runtime.trace.kinematics import Tree, matrix, pose_of
 from runtime.trace.model import (
     WORLD,

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from domains.tabletop.scene.model import Scene
 from runtime.robot.model import Floats
 from runtime.robot.urdf import Joint, Urdf
-from runtime.scene.model import Scene
 from runtime.trace.track import Track
 
 WORLD = "world"

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from runtime.errors import InputError
-from runtime.plan import LARGEST
+from runtime.plan.format import LARGEST
 from runtime.robot.model import Floats
 
 

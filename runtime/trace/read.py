@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from runtime.plan import LONGEST
+from runtime.plan.format import LONGEST
 from runtime.robot.model import Floats
 from runtime.trace.model import (
     WORLD,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from runtime.scene.model import (
+from domains.tabletop.scene.model import (
     Goal,
     Obstacle,
     PoseGoal,

@@ -11,10 +11,10 @@ import click
 from sketchlang.cli.common import check_outputs, fail, interruptible, load_named, load_valid
 
 if TYPE_CHECKING:
-    from runtime.execution.execute import Report
+    from runtime.physics.execute import Report
     from runtime.trace.model import Trace, TraceRobot
 
-# Those of `runtime.execution.disturb`, which is imported only where it is needed.
+# Those of `domains.tabletop.loop.disturb`, which is imported only where it is needed.
 DISTURBANCES = ("none", "pushed", "failed-grasp", "dropped", "obstacle", "noise")
 
 
@@ -90,7 +90,7 @@ def command(
         fail("a plan is executed as it is: SCENE, --disturbance and --seed need --closed-loop")
     check_outputs((file, scene, robot, sketch), {"--trace": trace})
     try:
-        from runtime.execution.execute import execute, to_json
+        from runtime.physics.execute import execute, to_json
         from runtime.trace.write import write_trace
 
         planned = load_named(Path(file), scene, robot, sketch)
@@ -169,10 +169,10 @@ def _closed(
     if loaded.checked.domain is None or loaded.checked.domain.name != "tabletop":
         fail("only sketches of the domain tabletop can be executed")
     try:
-        from runtime.execution.closed_loop import ClosedLoop
+        from domains.library import find_scene
+        from domains.tabletop.loop.closed_loop import ClosedLoop
+        from domains.tabletop.scene.load import load_scene
         from runtime.robot.load import DEFAULT_ROBOT, load_robot
-        from runtime.scene.library import find_scene
-        from runtime.scene.load import load_scene
         from runtime.trace.sketch import trace_sketch
         from runtime.trace.write import write_trace
 

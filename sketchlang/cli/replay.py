@@ -73,7 +73,7 @@ def command(
     check_outputs((file, scene, robot, sketch), outputs, folders=["--png"])
     try:
         if mp4 is not None:
-            from runtime.view.pictures import check_film
+            from runtime.show.pictures import check_film
 
             check_film(mp4)
         found = load_named(file, scene, robot, sketch)
@@ -83,16 +83,16 @@ def command(
             write_trace(found, trace)
             click.echo(f"trace written to {trace}")
         if html is not None:
-            from runtime.view.page import page
+            from runtime.show.page import page
 
             write_file(str(html), page(found))
             click.echo(f"replay written to {html}")
         if png is not None:
-            from runtime.view.pictures import write_pictures
+            from runtime.show.pictures import write_pictures
 
             click.echo(f"{len(write_pictures(found, png))} pictures written to {png}")
         if mp4 is not None:
-            from runtime.view.pictures import write_film
+            from runtime.show.pictures import write_film
 
             write_film(found, mp4, speed)
             click.echo(f"film written to {mp4}")

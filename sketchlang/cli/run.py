@@ -107,10 +107,10 @@ def _run(
 
     import numpy as np
 
+    from domains.library import find_scene
     from runtime.collector import spared
     from runtime.errors import InputError
     from runtime.report import make_report, summary
-    from runtime.scene.library import find_scene
     from runtime.search.limits import Limits
     from runtime.search.planners import DEFAULT, PLANNERS
     from runtime.search.problem import searchable

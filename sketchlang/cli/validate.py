@@ -34,11 +34,11 @@ def command(plan: Path, scene: str | None, robot: str | None, as_json: bool) -> 
     from runtime.errors import InputError
 
     try:
-        from runtime.plan import read_plan
+        from domains.library import find_scene
+        from domains.tabletop.scene.load import load_scene
+        from runtime.judge.certify import certify
+        from runtime.plan.format import read_plan
         from runtime.robot.load import load_robot
-        from runtime.scene.library import find_scene
-        from runtime.scene.load import load_scene
-        from runtime.validation.certify import certify
 
         document = read_plan(plan)
         path, name = find_scene(scene or document.scene)

@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from runtime.execution.beliefs import STEADY, TURNED, Beliefs
-from runtime.execution.sensing import Seen
+from domains.tabletop.loop.beliefs import STEADY, TURNED, Beliefs
+from domains.tabletop.loop.sensing import Seen
 from runtime.trace.model import Trace
 
 

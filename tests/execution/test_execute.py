@@ -11,16 +11,16 @@ from click.testing import CliRunner
 
 pytest.importorskip("pybullet")
 
-from runtime.execution.bodies import Materials
-from runtime.execution.execute import execute
-from runtime.execution.follow import Follower
-from runtime.execution.physics import Physics
-from runtime.execution.recorder import Recorder
-from runtime.execution.tables import planned
+from benchmarks.execution import planned
+from runtime.physics.bodies import Materials
+from runtime.physics.execute import execute
+from runtime.physics.follow import Follower
+from runtime.physics.recorder import Recorder
+from runtime.physics.simulation import Physics
+from runtime.show.pictures import Studio, png
 from runtime.trace.kinematics import Tree, links_at
 from runtime.trace.load import load_trace
 from runtime.trace.write import write_trace
-from runtime.view.pictures import Studio, png
 from sketchlang.cli.execute import command
 
 

@@ -16,17 +16,17 @@ from click.testing import CliRunner, Result
 
 pytest.importorskip("pybullet")
 
+from domains.library import find_scene
+from domains.tabletop.scene.load import load_scene
 from runtime.errors import InputError
-from runtime.execution import physics
-from runtime.execution.execute import Report
-from runtime.execution.tracking import Tracking
 from runtime.export import bag
 from runtime.export.model import boxes
-from runtime.scene.library import find_scene
-from runtime.scene.load import load_scene
+from runtime.physics import simulation as physics
+from runtime.physics.execute import Report
+from runtime.physics.tracking import Tracking
+from runtime.show import pictures
+from runtime.show.pictures import LENS, RIGHT, UP, Studio, moments, write_film
 from runtime.trace.write import write_trace
-from runtime.view import pictures
-from runtime.view.pictures import LENS, RIGHT, UP, Studio, moments, write_film
 from sketchlang.cli.execute import command as execute
 from sketchlang.cli.execute import largest_errors, summary
 from sketchlang.cli.export import command as export
@@ -62,7 +62,7 @@ def no_work(monkeypatch) -> None:
         raise AssertionError("the work began")
 
     monkeypatch.setattr("runtime.trace.load.load_trace", work)
-    monkeypatch.setattr("runtime.execution.closed_loop.ClosedLoop.__init__", work)
+    monkeypatch.setattr("domains.tabletop.loop.closed_loop.ClosedLoop.__init__", work)
 
 
 # -- where ---------------------------------------------------------------------------------------
@@ -158,7 +158,7 @@ def test_a_film_needs_a_name_of_a_film(trace_file, tmp_path) -> None:
 
 def closed_loop(monkeypatch, happened, *arguments: object) -> Result:
     """A closed loop that ends at once with a trace, or with none."""
-    from runtime.execution.closed_loop import ClosedLoop, Verdict
+    from domains.tabletop.loop.closed_loop import ClosedLoop, Verdict
 
     verdict = Verdict(True, None, 0, 0, 1.0, (), ())
     monkeypatch.setattr(ClosedLoop, "__init__", lambda *_: None)
@@ -362,7 +362,7 @@ def test_errors_of_sliding_joints_are_lengths(trace) -> None:
 
 
 def _report(tracking: Tracking) -> Report:
-    from runtime.execution.execute import FinalPose
+    from runtime.physics.execute import FinalPose
 
     return Report(1.0, tracking, (), (), (FinalPose("box", 0.0, 0.0, 0.0),), ())
 
@@ -407,7 +407,7 @@ def test_the_floor_of_a_wide_scene_is_not_of_a_million_tiles(trace) -> None:
 
 def test_what_native_code_prints_does_not_come_out_at_the_end() -> None:
     """C buffers standard output where it is no terminal, unless Python is told not to."""
-    code = "from runtime.execution.physics import connect; connect(False).disconnect()"
+    code = "from runtime.physics.simulation import connect; connect(False).disconnect()"
     buffered = {k: v for k, v in os.environ.items() if k != "PYTHONUNBUFFERED"}
     command = [sys.executable, "-c", code]
     done = subprocess.run(command, capture_output=True, text=True, env=buffered, check=True)

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 
+from runtime.show.browser import Browser, find_browser
+from runtime.show.page import page
 from runtime.trace.kinematics import Tree, links_at, object_at
 from runtime.trace.model import Event
-from runtime.view.browser import Browser, find_browser
-from runtime.view.page import page
 
 needs_browser = pytest.mark.skipif(find_browser() is None, reason="there is no Chromium")
 

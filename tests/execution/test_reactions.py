@@ -10,18 +10,18 @@ import pytest
 
 pytest.importorskip("pybullet")
 
-from runtime.execution.closed_loop import ClosedLoop
-from runtime.execution.disturb import Disturber
-from runtime.execution.execute import lean
-from runtime.execution.follow import ARM_BRAKING, Follower
-from runtime.execution.physics import Physics
-from runtime.execution.recorder import Recorder
-from runtime.execution.sensing import Senses
-from runtime.execution.watch import Watcher
-from runtime.execution.ways import Ways, enclosing_box
+from domains.library import find_scene
+from domains.tabletop.loop.closed_loop import ClosedLoop
+from domains.tabletop.loop.disturb import Disturber
+from domains.tabletop.loop.sensing import Senses
+from domains.tabletop.loop.watch import Watcher
+from domains.tabletop.loop.ways import Ways, enclosing_box
+from domains.tabletop.scene.load import load_scene
+from runtime.physics.execute import lean
+from runtime.physics.follow import ARM_BRAKING, Follower
+from runtime.physics.recorder import Recorder
+from runtime.physics.simulation import Physics
 from runtime.robot.load import built_in_robots, load_robot
-from runtime.scene.library import find_scene
-from runtime.scene.load import load_scene
 from runtime.trace.kinematics import Tree, links_at, matrix
 from runtime.trace.model import Grip, Trace, TraceAction
 from runtime.trace.sketch import load_trace_sketch
@@ -138,7 +138,7 @@ def test_after_a_drop_the_arm_goes_back_with_open_fingers(bench: Bench) -> None:
 def test_fingers_that_touch_what_they_lost_touch_it_once_it_is_at_rest(
     bench: Bench, monkeypatch
 ) -> None:
-    monkeypatch.setattr("runtime.execution.follow.SPRUNG", -0.002)  # they stay on it
+    monkeypatch.setattr("runtime.physics.follow.SPRUNG", -0.002)  # they stay on it
     watch = bench.loses_it_when_lifted()
     bench.follower.follow(bench.trace, watch, bench.pick.start, bench.pick.end)
     bench.follower.wait(0.5)
@@ -294,7 +294,7 @@ def test_a_subplan_that_was_broken_off_reached_what_was_sensed(monkeypatch) -> N
 
 
 def test_a_search_that_takes_too_long_ends_with_a_verdict(monkeypatch) -> None:
-    monkeypatch.setattr("runtime.execution.closed_loop.PLANNING", 1e-6)
+    monkeypatch.setattr("domains.tabletop.loop.closed_loop.PLANNING", 1e-6)
     verdict, _ = closed_loop("none", 0).run()
     assert not verdict.goal_reached
     assert verdict.reason == "no subgoal was found from what was sensed"

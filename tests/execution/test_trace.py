@@ -11,8 +11,9 @@ import pytest
 from click.testing import CliRunner
 
 from runtime.errors import InputError
+from runtime.judge.skeleton import Skeleton
 from runtime.motion.motion import ArmMove, BaseMove
-from runtime.plan import read_plan
+from runtime.plan.format import read_plan
 from runtime.robot.load import built_in_robots, load_robot
 from runtime.trace.kinematics import Tree, links_at, matrix, object_at, pose_of
 from runtime.trace.load import load_trace
@@ -20,7 +21,6 @@ from runtime.trace.node import Node
 from runtime.trace.read import read_trace, trace_of
 from runtime.trace.track import TrackBuilder
 from runtime.trace.write import to_json, write_trace
-from runtime.validation.skeleton import Skeleton
 from sketchlang.cli.replay import command as replay
 
 

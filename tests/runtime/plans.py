@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from runtime.plan import Plan, read_plan
+from runtime.plan.format import Plan, read_plan
 
 Json = dict[str, Any]
 

@@ -18,7 +18,15 @@ from hypothesis import strategies as st
 import runtime
 from runtime.errors import InputError
 from runtime.motion.motion import ArmMove, BaseMove, GripperMove
-from runtime.plan import Plan, PlanAction, PlanSubgoal, TimedPiece, read_plan, to_json, write_plan
+from runtime.plan.format import (
+    Plan,
+    PlanAction,
+    PlanSubgoal,
+    TimedPiece,
+    read_plan,
+    to_json,
+    write_plan,
+)
 from sketchlang.cli.validate import command as validate
 from tests.runtime.plans import Json, actions, parse, pieces
 

@@ -15,9 +15,9 @@ from click.testing import CliRunner, Result
 from sketchlang.cli.run import command as run
 from sketchlang.cli.validate import command as validate
 from tests.runtime.conftest import sketchlang
-from tests.runtime.pick_place.tasks import AT, stick
 from tests.runtime.robot.robots import TOML, write_robot
-from tests.runtime.scene.texts import SCENE, TABLES, WORD, write_scene
+from tests.tabletop.scene.texts import SCENE, TABLES, WORD, write_scene
+from tests.tabletop.tasks import AT, stick
 
 ROOT = Path(__file__).parents[2]
 CONTRACT = {

@@ -8,14 +8,14 @@ import math
 import numpy as np
 import pytest
 
+from domains.tabletop.scene.model import Scene
 from runtime.angles import wrap
+from runtime.judge.geometry import ExactBoxes, Track
+from runtime.judge.skeleton import Skeleton
 from runtime.motion.base import MARGIN, BaseRoads, drive, footprint
 from runtime.motion.room import room_around
 from runtime.robot.model import RobotModel
 from runtime.robot.urdf import Box
-from runtime.scene.model import Scene
-from runtime.validation.geometry import ExactBoxes, Track
-from runtime.validation.skeleton import Skeleton
 from tests.runtime.reference import Floats, along, placed_boxes, upright_pose, upright_row
 
 WIDE = Box("held", np.eye(3, 4), np.array([0.15, 0.02, 0.1]))

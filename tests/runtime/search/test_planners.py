@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from domains.library import built_in_scenes, find_scene
 from runtime.errors import InputError
-from runtime.scene.library import built_in_scenes, find_scene
 from runtime.search.guide import GOAL
 from runtime.search.limits import Limits
 from runtime.search.planners import DEFAULT, PLANNERS

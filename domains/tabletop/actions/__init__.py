@@ -1,0 +1,1 @@
+"""Actions: from a ground action to a motion, and how each is told and written."""

@@ -1,0 +1,1 @@
+"""What the features compute: obstructions, disturbances, goals and words."""

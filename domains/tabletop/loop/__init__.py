@@ -1,0 +1,1 @@
+"""Closed loop: sense, plan one subgoal, carry it out, and again."""

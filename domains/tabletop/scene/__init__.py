@@ -1,0 +1,1 @@
+"""Scene files: their model, their reader, a generator."""

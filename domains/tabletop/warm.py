@@ -1,0 +1,74 @@
+"""Compile, or load from the cache, every kernel before the clock starts."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from domains.tabletop.problem import PickPlaceProblem
+from domains.tabletop.scene.model import (
+    Obstacle,
+    RegionGoal,
+    Scene,
+    SceneObject,
+    Surface,
+    UprightBox,
+)
+from domains.tabletop.state import State
+from domains.tabletop.world import Task
+from runtime.motion import rrt
+from runtime.motion.arm_context import ArmContext
+from runtime.robot.model import RobotModel
+from runtime.search.problem import Subproblem
+
+_WARM: set[str] = set()
+
+
+def warm_up(robot: RobotModel) -> None:
+    """Run each kernel once, on a scene of two tables and two objects."""
+    if robot.digest in _WARM:
+        return
+    _WARM.add(robot.digest)
+    problem = PickPlaceProblem(Task(_scene(), robot), seed=0)
+    rng = np.random.default_rng(0)
+    state = problem.initial
+    task = problem.task
+    for index in range(2):
+        task.obstructions(state, index)
+        task.disturbances(state, index)
+    for _ in range(2):
+        subproblem = problem.subproblem(state, 0, rng)
+        found = _first(subproblem, state)
+        if found is not None:
+            state = found
+    context = ArmContext(robot, robot.body(0.05), task.statics)
+    path = rrt.rrt_connect(context, robot.home, robot.home * 0.999, 1, 0.1)
+    if path is not None:
+        rrt.shorten(context, np.vstack([path, path[::-1], path]), rng)
+
+
+def _first(subproblem: Subproblem, state: State) -> State | None:
+    """The state after the first move and the first manipulation that are executable."""
+    for action, after in subproblem.actions(state):
+        if subproblem.execute(state, action) is None:
+            continue
+        for second, end in subproblem.actions(after):
+            if end.held != after.held and subproblem.execute(after, second) is not None:
+                return end  # type: ignore[no-any-return]
+    return None
+
+
+def _scene() -> Scene:
+    tables = [UprightBox((x, 0.0, 0.38), (0.6, 1.0, 0.76)) for x in (1.0, -1.0)]
+    objects = tuple(
+        SceneObject(f"o{i}", (0.04, 0.04, 0.2), (0.9, 0.1 * i, 0.0), 0) for i in range(2)
+    )
+    return Scene(
+        name="warm-up",
+        robot_start=(0.0, 0.0, 0.0),
+        surfaces=tuple(Surface(f"t{i}", box, (0.3, 0.5), 0.762) for i, box in enumerate(tables)),
+        obstacles=tuple(Obstacle(f"t{i}", box) for i, box in enumerate(tables)),
+        objects=objects,
+        goals={0: RegionGoal(1), 1: RegionGoal(1)},
+        word=None,
+        digest="warm-up",
+    )

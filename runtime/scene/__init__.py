@@ -1,1 +1,0 @@
-"""Scenes: tables, walls, objects, goals and where the robot starts, from TOML files."""

@@ -1,0 +1,325 @@
+"""misplaced, obstructions, disturbances: scenes where the answer is plain, and brute force."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from domains.tabletop import Object, disturbances, misplaced, obstructions
+from domains.tabletop.features.swept import PLAY, STEP
+from domains.tabletop.scene.generate import sorting_scene
+from domains.tabletop.scene.load import load_scene
+from domains.tabletop.scene.model import UprightBox
+from domains.tabletop.state import BasePose, Grasp, MoveBase, Pick, Place, Placement, State
+from domains.tabletop.world import Task
+from runtime.robot.load import load_robot
+from sketchlang.compile import CompiledSketch, compile_sketch
+from sketchlang.loader import load_sketch
+from tests.runtime import reference
+from tests.runtime.reference import HEADINGS, UNREACHABLE, headings_of
+from tests.tabletop.tasks import AT, ON_RIGHT, stick, task
+
+RING = [(0.8 + 0.07 * math.cos(a), 0.6 + 0.07 * math.sin(a)) for a in np.arange(6) * math.pi / 3]
+
+
+@pytest.fixture(scope="module")
+def sketch() -> CompiledSketch:
+    return compile_sketch(load_sketch("pick_and_place").checked)
+
+
+def features(sketch: CompiledSketch, state: State) -> dict[str, int]:
+    names = [feature.name for feature in sketch.model.features]
+    return dict(zip(names, sketch.evaluate(state), strict=True))
+
+
+# -- scenes where the answer is plain ----------------------------------------------------------
+
+
+def test_an_object_on_its_own_is_in_nobodys_way(tmp_path) -> None:
+    state = task(tmp_path, stick("a", 0.8, 0.6), ON_RIGHT.format("a")).initial
+    assert misplaced(state, Object(0))
+    assert obstructions(state, Object(0)) == 0
+    assert disturbances(state, Object(0)) == 0
+
+
+def test_an_object_on_its_table_is_not_misplaced(tmp_path) -> None:
+    state = task(tmp_path, stick("a", 0.8, -0.9), ON_RIGHT.format("a")).initial
+    assert not misplaced(state, Object(0))
+
+
+def test_an_object_without_goal_is_never_misplaced(tmp_path) -> None:
+    entries = [stick("a", 0.8, 0.6), stick("b", 0.8, -0.9), ON_RIGHT.format("a")]
+    state = task(tmp_path, *entries).initial
+    assert not misplaced(state, Object(1))
+    assert obstructions(state, Object(1)) == 0
+
+
+def test_a_goal_point_has_its_tolerance(tmp_path) -> None:
+    for x, wrong in ((0.904, False), (0.906, True)):
+        state = task(tmp_path, stick("a", x, -0.9), AT.format("a", 0.9, -0.9)).initial
+        assert misplaced(state, Object(0)) == wrong
+
+
+def test_a_ring_of_sticks_obstructs_the_one_inside(tmp_path) -> None:
+    ring = [stick(f"r{i}", x, y) for i, (x, y) in enumerate(RING)]
+    closed = task(tmp_path, stick("a", 0.8, 0.6), *ring, ON_RIGHT.format("a")).initial
+    assert obstructions(closed, Object(0)) >= 1
+    opened = task(tmp_path, stick("a", 0.8, 0.6), *ring[:2], ON_RIGHT.format("a")).initial
+    assert obstructions(opened, Object(0)) == 0
+
+
+def test_taking_the_obstructing_sticks_away_frees_the_one_inside(tmp_path) -> None:
+    """Each stick of the ring that goes obstructs no more; in the end nothing does."""
+    ring = [stick(f"r{i}", x, y) for i, (x, y) in enumerate(RING)]
+    state = task(tmp_path, stick("a", 0.8, 0.6), *ring, ON_RIGHT.format("a")).initial
+    counts = [obstructions(state, Object(0))]
+    for i in range(len(RING)):
+        away = Placement.of(0.65 + 0.05 * i, -1.1, 0.0, 1)
+        state = state.after(Pick(1 + i, Grasp.of(0.0, 0.12))).after(Place(1 + i, away))
+        counts.append(obstructions(state, Object(0)))
+    assert counts[0] > 0
+    assert counts[-1] == 0
+    assert counts == sorted(counts, reverse=True)
+
+
+def test_something_on_the_goal_point_obstructs(tmp_path) -> None:
+    entries = [stick("a", 0.8, 0.6), stick("b", 0.8, -0.9), AT.format("a", 0.8, -0.9)]
+    state = task(tmp_path, *entries).initial
+    assert obstructions(state, Object(0)) >= 1
+
+
+def test_a_goal_point_on_another_one_disturbs(tmp_path) -> None:
+    """Two sticks are wanted 1 cm from each other: whoever comes first bars the other."""
+    entries = [
+        stick("a", 0.8, 0.5), stick("b", 0.8, 0.8),
+        AT.format("a", 0.8, -0.9), AT.format("b", 0.81, -0.9),
+    ]  # fmt: skip
+    state = task(tmp_path, *entries).initial
+    assert disturbances(state, Object(0)) == 1
+    assert disturbances(state, Object(1)) == 1
+
+
+def test_goal_points_far_apart_do_not_disturb(tmp_path) -> None:
+    entries = [
+        stick("a", 0.8, 0.5), stick("b", 0.8, 0.8),
+        AT.format("a", 0.65, -0.9), AT.format("b", 0.95, -0.9),
+    ]  # fmt: skip
+    state = task(tmp_path, *entries).initial
+    assert [disturbances(state, Object(i)) for i in range(2)] == [0, 0]
+
+
+def test_a_table_out_of_reach_is_obstructed_beyond_count(tmp_path) -> None:
+    """The goal is in the middle of a table larger than the arm."""
+    large = '[[table]]\nname = "large"\nat = [-8, 0]\nsize = [6, 6]\ntop = 0.765\nrest = 0.767\n'
+    text = task(tmp_path, large, stick("a", 0.8, 0.6), AT.format("a", -8, 0)).initial
+    assert obstructions(text, Object(0)) >= UNREACHABLE
+
+
+# -- brute force -------------------------------------------------------------------------------
+
+
+def row_of(the: Task, index: int, placement: Placement) -> np.ndarray:
+    x, y, yaw = placement.pose
+    size = the.scene.objects[index].size
+    rest = the.scene.surfaces[placement.surface].rest
+    return UprightBox((x, y, rest + size[2] / 2), size, yaw).row()
+
+
+def half_width(the: Task, index: int, angle: float) -> float:
+    """Half the width of an object for an approach heading in its own frame."""
+    sx, sy, _ = the.scene.objects[index].size
+    return (sx * abs(math.sin(angle)) + sy * abs(math.cos(angle))) / 2
+
+
+def least_barred(
+    the: Task, state: State, index: int, site: tuple[float, float], surface: int, grips: list[float]
+) -> int:
+    """Fewest objects that bar a heading to a site."""
+    reachable = headings_of(the.reachable_xy(*site, surface))
+    others = [
+        reference.barred_headings(
+            np.array(site), np.array(grips), row_of(the, j, placement), the.strip, PLAY
+        )
+        for j, placement in enumerate(state.placements)
+        if placement is not None and j != index
+    ]
+    return min(
+        sum(k in barred for barred in others) + (0 if k in reachable else UNREACHABLE)
+        for k in range(HEADINGS)
+    )
+
+
+def brute_force(the: Task, state: State, index: int) -> int:
+    """alpha of a standing object whose goal is a region: least for picking, plus least for
+    placing it somewhere."""
+    placement = state.placements[index]
+    assert placement is not None
+    x, y, yaw = placement.pose
+    turned = [half_width(the, index, k * STEP - yaw) for k in range(HEADINGS)]
+    pick = least_barred(the, state, index, (x, y), placement.surface, turned)
+    goal = the.goals[index]
+    narrow = [min(half_width(the, index, k * STEP) for k in range(HEADINGS))] * HEADINGS
+    place = min(
+        least_barred(the, state, index, (sx, sy), goal.surface, narrow) for sx, sy in goal.xy
+    )
+    return pick + place
+
+
+def barring(
+    the: Task, state: State, index: int, site: tuple[float, float], surface: int, grips: list[float]
+) -> list[set[int]]:
+    """For each heading from which the robot could come to a site, the objects that bar it."""
+    barred = {
+        j: reference.barred_headings(
+            np.array(site), np.array(grips), row_of(the, j, placement), the.strip, PLAY
+        )
+        for j, placement in enumerate(state.placements)
+        if placement is not None and j != index
+    }
+    reachable = headings_of(the.reachable_xy(*site, surface))
+    return [{j for j in barred if k in barred[j]} for k in sorted(reachable)]
+
+
+def fewest_to_move(the: Task, state: State, index: int) -> int:
+    """alpha of a standing object whose goal is a point: fewest objects that bar a heading to
+    it or a heading to its goal."""
+    placement, goal = state.placements[index], the.goals[index]
+    assert placement is not None
+    x, y, yaw = placement.pose
+    turned = [half_width(the, index, k * STEP - yaw) for k in range(HEADINGS)]
+    narrow = [min(half_width(the, index, k * STEP) for k in range(HEADINGS))] * HEADINGS
+    before = barring(the, state, index, (x, y), placement.surface, turned)
+    after = barring(the, state, index, tuple(goal.xy[0]), goal.surface, narrow)
+    return min(len(a | b) for a in before for b in after)
+
+
+def random_sticks(rng: np.random.Generator, count: int) -> list[tuple[float, float]]:
+    """Places on the left table, close to each other but apart."""
+    found: list[tuple[float, float]] = []
+    while len(found) < count:
+        x, y = 0.8 + rng.uniform(-0.15, 0.15), 0.6 + rng.uniform(-0.15, 0.15)
+        if all(math.dist((x, y), other) > 0.065 for other in found):
+            found.append((round(x, 4), round(y, 4)))
+    return found
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_obstructions_agree_with_brute_force(tmp_path, seed) -> None:
+    rng = np.random.default_rng(seed)
+    entries = [
+        stick(f"o{i}", x, y, f"yaw = {15 * int(rng.integers(0, 6))}")
+        for i, (x, y) in enumerate(random_sticks(rng, 9))
+    ]
+    entries += [ON_RIGHT.format(f"o{i}") for i in range(4)]
+    the = task(tmp_path, *entries)
+    found = [obstructions(the.initial, Object(i)) for i in range(4)]
+    assert found == [brute_force(the, the.initial, i) for i in range(4)]
+
+
+@pytest.mark.parametrize("shift", [(0.0, 0.02), (0.015, -0.01), (-0.01, 0.005)])
+def test_what_bars_both_ways_counts_once(tmp_path, shift) -> None:
+    """A stick inside a ring is to move by a little: one stick of the ring bars both ways."""
+    ring = [stick(f"r{i}", x, y) for i, (x, y) in enumerate(RING)]
+    goal = AT.format("a", 0.8 + shift[0], 0.6 + shift[1])
+    the = task(tmp_path, stick("a", 0.8, 0.6), *ring, goal)
+    found = obstructions(the.initial, Object(0))
+    assert found == fewest_to_move(the, the.initial, 0)
+    assert found < brute_force(the, the.initial, 0)
+
+
+def test_brute_force_has_seen_obstructions(tmp_path) -> None:
+    """The random scenes above are no empty tables."""
+    counts = set()
+    for seed in range(4):
+        rng = np.random.default_rng(seed)
+        sticks = [stick(f"o{i}", x, y) for i, (x, y) in enumerate(random_sticks(rng, 9))]
+        the = task(tmp_path, *sticks, *(ON_RIGHT.format(f"o{i}") for i in range(4)))
+        counts |= {obstructions(the.initial, Object(i)) for i in range(4)}
+    assert len(counts) > 1
+
+
+# -- functions of the state alone --------------------------------------------------------------
+
+
+def wander(the: Task, rng: np.random.Generator, steps: int) -> list[State]:
+    """States of a random walk, executable or not."""
+    states = [the.initial]
+    while len(states) < steps:
+        state = states[-1]
+        if state.held is None:
+            index = int(rng.integers(len(state.placements)))
+            state = state.after(Pick(index, Grasp.of(rng.uniform(0, 6), 0.12)))
+        else:
+            x, y = rng.uniform(-0.2, 0.2, 2)
+            surface = int(rng.integers(2))
+            at = Placement.of(0.8 + x, (0.6, -0.9)[surface] + y, rng.uniform(0, 6), surface)
+            state = state.after(Place(state.held, at))
+        states.append(state.after(MoveBase(BasePose.of(*rng.uniform(-1, 1, 2), 0.0))))
+    return states
+
+
+def crowded(folder: Path) -> Task:
+    rng = np.random.default_rng(7)
+    entries = [stick(f"o{i}", x, y) for i, (x, y) in enumerate(random_sticks(rng, 6))]
+    goals = [ON_RIGHT.format("o0"), ON_RIGHT.format("o1"), AT.format("o2", 0.9, -0.8)]
+    return task(folder, *entries, *goals)
+
+
+def test_features_do_not_depend_on_what_was_asked_before(tmp_path, sketch) -> None:
+    the = crowded(tmp_path)
+    states = wander(the, np.random.default_rng(3), 25)
+    forwards = [features(sketch, state) for state in states]
+    other = crowded(tmp_path)
+    moved = [State(s.base, s.placements, s.held, s.grasp, other) for s in states]
+    backwards = [features(sketch, state) for state in reversed(moved)]
+    assert forwards == backwards[::-1]
+    assert len({tuple(found.values()) for found in forwards}) > 3
+
+
+def test_features_do_not_depend_on_where_the_robot_stands(tmp_path, sketch) -> None:
+    the = crowded(tmp_path)
+    for state in wander(the, np.random.default_rng(4), 10):
+        elsewhere = state.after(MoveBase(BasePose.of(-1.0, 1.0, 2.0)))
+        assert features(sketch, state) == features(sketch, elsewhere)
+
+
+def test_features_survive_a_full_cache(tmp_path, sketch) -> None:
+    the = crowded(tmp_path)
+    before = features(sketch, the.initial)
+    for i in range(600):
+        the.arrangement((Placement.of(0.8, 0.6 + 1e-4 * i, 0.0, 0), *the.initial.placements[1:]))
+    assert features(sketch, the.initial) == before
+
+
+def test_a_goal_state_has_nothing_misplaced(tmp_path, sketch) -> None:
+    the = task(tmp_path, stick("a", 0.8, -0.9), ON_RIGHT.format("a"))
+    assert sketch.model.is_goal(sketch.evaluate(the.initial))
+
+
+def test_what_is_carried_over_is_what_would_be_computed_anew(tmp_path) -> None:
+    """In a scene of many tables most objects are far from what moves."""
+    path = tmp_path / "many.toml"
+    path.write_text(sorting_scene(40, seed=3), encoding="utf-8")
+    scene, robot = load_scene(path), load_robot("tiago")
+    the, rng = Task(scene, robot), np.random.default_rng(5)
+    state, values = the.initial, set()
+    for step in range(40):
+        if state.held is None:
+            index = int(rng.integers(2, len(scene.objects)))
+            state = state.after(Pick(index, Grasp.of(rng.uniform(0, 6), 0.12)))
+        else:
+            # Around two objects that stay, so that some bar the way to others.
+            beside, angle = state.placements[int(rng.integers(2))], rng.uniform(0, 6)
+            assert beside is not None
+            x, y = beside.pose[0] + 0.06 * math.cos(angle), beside.pose[1] + 0.06 * math.sin(angle)
+            state = state.after(Place(state.held, Placement.of(x, y, angle, beside.surface)))
+        found = [the.obstructions(state, i) for i in range(len(scene.objects))]
+        if step % 5 >= 3:
+            fresh = Task(scene, robot)
+            anew = State(state.base, state.placements, state.held, state.grasp, fresh)
+            assert found == [fresh.obstructions(anew, i) for i in range(len(scene.objects))]
+        values |= set(found)
+    assert len(values) > 2
