@@ -14,7 +14,7 @@ from click.testing import CliRunner, Result
 
 from sketchlang.cli.run import command as run
 from sketchlang.cli.validate import command as validate
-from tests.runtime.conftest import sketchlang
+from tests.conftest import sketchlang
 from tests.runtime.robot.robots import TOML, write_robot
 from tests.tabletop.scene.texts import SCENE, TABLES, WORD, write_scene
 from tests.tabletop.tasks import AT, stick
