@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from runtime.robot.model import RobotModel
-from runtime.robot.urdf import Joint, Pose
+from runtime.robot.urdf import Joint
+from runtime.world.poses import Pose
 
 Floats = NDArray[np.float64]
 Transforms = NDArray[np.float64]  # (N, 4, 4)

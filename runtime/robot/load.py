@@ -19,8 +19,9 @@ from runtime.robot.model import (
     RobotModel,
     Strip,
 )
-from runtime.robot.urdf import Box, Joint, Pose, Urdf, compose, identity, invert, read_urdf
+from runtime.robot.urdf import Box, Joint, Urdf, read_urdf
 from runtime.tables import Table, read_toml
+from runtime.world.poses import Pose, compose, identity, invert
 
 BUILT_IN = Path(__file__).parent
 DEFAULT_ROBOT = "tiago"

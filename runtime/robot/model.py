@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from runtime.kernels import arm
-from runtime.robot.urdf import Box, Pose, Urdf, compose
+from runtime.robot.urdf import Box, Urdf
+from runtime.world.poses import Pose, compose
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

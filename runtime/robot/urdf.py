@@ -16,9 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from runtime.errors import InputError
-
-Pose = NDArray[np.float64]
-"""A 3x4 matrix [R | t]."""
+from runtime.world.poses import Pose, identity, rotation_from_rpy
 
 JOINT_TYPES = ("fixed", "revolute", "continuous", "prismatic")
 
@@ -64,41 +62,6 @@ class Urdf:
             joints.append(self.joints[link])
             link = self.joints[link].parent
         return joints[::-1]
-
-
-def rotation_from_rpy(roll: float, pitch: float, yaw: float) -> NDArray[np.float64]:
-    """URDF's fixed-axis roll, pitch, yaw as a rotation matrix (3, 3)."""
-    cr, sr = math.cos(roll), math.sin(roll)
-    cp, sp = math.cos(pitch), math.sin(pitch)
-    cy, sy = math.cos(yaw), math.sin(yaw)
-    return np.array(
-        [
-            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
-            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
-            [-sp, cp * sr, cp * cr],
-        ]
-    )
-
-
-def compose(a: Pose, b: Pose) -> Pose:
-    """The pose `a b` of 3x4 matrices."""
-    out = np.empty((3, 4))
-    out[:, :3] = a[:, :3] @ b[:, :3]
-    out[:, 3] = a[:, :3] @ b[:, 3] + a[:, 3]
-    return out
-
-
-def invert(pose: Pose) -> Pose:
-    """The inverse of a 3x4 pose."""
-    out = np.empty((3, 4))
-    out[:, :3] = pose[:, :3].T
-    out[:, 3] = -out[:, :3] @ pose[:, 3]
-    return out
-
-
-def identity() -> Pose:
-    """The pose that changes nothing."""
-    return np.eye(3, 4)
 
 
 def read_urdf(path: Path) -> Urdf:

@@ -36,8 +36,8 @@ from runtime.motion.arm_context import ArmContext
 from runtime.motion.base import BaseRoads, drive, footprint
 from runtime.motion.motion import ArmMove, BaseMove, GripperMove, Motion
 from runtime.robot.model import Body, Floats
-from runtime.robot.urdf import invert
 from runtime.search.profile import Profile
+from runtime.world.poses import invert
 
 REACH = 1.3
 """Metres around the base axis within which boxes matter to the arm."""

@@ -17,7 +17,8 @@ from domains.tabletop.state import UNIT, Grasp
 from runtime.kernels import ik
 from runtime.motion.arm_context import CONTACT_MARGIN, ArmContext
 from runtime.robot.model import Floats, RobotModel
-from runtime.robot.urdf import Box, Pose, compose, invert
+from runtime.robot.urdf import Box
+from runtime.world.poses import Pose, compose, invert
 
 APPROACH = 0.10
 """Metres of the straight line in; the fingers are clear of the object behind it."""

@@ -23,8 +23,8 @@ from domains.tabletop.scene.model import (
 )
 from runtime.errors import InputError
 from runtime.kernels.boxes import pose_vs_upright
-from runtime.robot.urdf import rotation_from_rpy
 from runtime.tables import Table, read_toml
+from runtime.world.poses import rotation_from_rpy
 
 DEFAULT_TOLERANCE = 0.005
 """Metres; the published tolerance of point goals."""

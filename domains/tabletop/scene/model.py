@@ -9,7 +9,15 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from runtime.world.body import Body, Part
+from runtime.world.poses import upright
+from runtime.world.solids import Box
+from runtime.world.world import Fixed, Movable, Support, World
+
 Floats = NDArray[np.float64]
+
+DENSITY = 500.0
+"""kg/m^3 of objects whose scene does not give their mass: light wood."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,3 +136,42 @@ class Scene:
         """The box of an object that stands at a pose on a surface."""
         size = self.objects[index].size
         return UprightBox((x, y, self.surfaces[surface].rest + size[2] / 2), size, yaw)
+
+    @cached_property
+    def world(self) -> World:
+        """The geometry of the scene: all that the judge, traces, physics and drawings need."""
+        return World(
+            name=self.name,
+            digest=self.digest,
+            robot_start=self.robot_start,
+            fixed=tuple(
+                Fixed(o.name, box_body(o.box.size), upright(*_foot(o.box), o.box.yaw))
+                for o in self.obstacles
+            ),
+            movables=tuple(
+                Movable(
+                    thing.name,
+                    box_body(thing.size),
+                    upright(*thing.start[:2], self.surfaces[thing.surface].rest, thing.start[2]),
+                    thing.colour,
+                    thing.letter,
+                )
+                for thing in self.objects
+            ),
+            supports=tuple(
+                Support(s.name, s.name, upright(*s.table.centre[:2], s.rest, s.table.yaw), s.half)
+                for s in self.surfaces
+            ),
+        )
+
+
+def box_body(size: tuple[float, float, float]) -> Body:
+    """A box as a body: its frame is in the middle of its bottom."""
+    solid = Box(size)
+    middle = upright(0.0, 0.0, size[2] / 2, 0.0)
+    return Body((Part(solid, middle),), DENSITY * solid.volume, (0.0, 0.0, size[2] / 2))
+
+
+def _foot(box: UprightBox) -> tuple[float, float, float]:
+    x, y, z = box.centre
+    return x, y, z - box.size[2] / 2

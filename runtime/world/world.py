@@ -1,0 +1,78 @@
+"""A world: what stands fixed, what can be moved, and where things can rest.
+
+This is all that the judge, traces, physics and drawings know of a task. World frame: origin
+on the floor, z up; metres, radians.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from runtime.world.body import Body
+from runtime.world.poses import Pose
+
+FLOOR = "floor"
+"""The name of the floor, wherever one is shown or may be rested on."""
+
+
+@dataclass(frozen=True, eq=False)
+class Fixed:
+    """Something that never moves (a table, a wall, a shelf) and its pose (3, 4)."""
+
+    name: str
+    body: Body
+    pose: Pose
+
+
+@dataclass(frozen=True, eq=False)
+class Movable:
+    """Something that can be moved, and its pose (3, 4) at the start. `label` is shown on it
+    (a letter), `colour` is how it is painted."""
+
+    name: str
+    body: Body
+    pose: Pose
+    colour: str | None = None
+    label: str | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Support:
+    """A horizontal region that things can rest on: a table's top, a board of a shelf, the floor
+    of a bin, the top of an object.
+
+    `owner` is the name of the fixed or movable thing it belongs to (`FLOOR` for the floor).
+    `pose` (3, 4) puts the middle of the region, at the height at which bottoms rest, into the
+    owner's frame if that can be moved, else into the world; its z is up. `half` are half its
+    extents along x and y, `clearance` the metres free above it.
+    """
+
+    name: str
+    owner: str
+    pose: Pose
+    half: tuple[float, float]
+    clearance: float = math.inf
+
+
+@dataclass(frozen=True, eq=False)
+class World:
+    """A world at the start of a task. `robot_start` is x, y, heading of the robot's base."""
+
+    name: str
+    digest: str
+    robot_start: tuple[float, float, float]
+    fixed: tuple[Fixed, ...]
+    movables: tuple[Movable, ...]
+    supports: tuple[Support, ...]
+
+    def index(self, name: str) -> int:
+        """The index of a movable.
+
+        Raises:
+            KeyError: there is none of that name.
+        """
+        for i, thing in enumerate(self.movables):
+            if thing.name == name:
+                return i
+        raise KeyError(name)
