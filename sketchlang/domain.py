@@ -28,9 +28,9 @@ from collections.abc import Callable, Hashable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Annotated, Any, Protocol, TypeVar
 
-from grammars.table import KEYWORDS
 from sketchlang.diagnostics import Label
 from sketchlang.source import Source, Span
+from sketchlang.syntax.grammar import words
 from sketchlang.types import BOOL, NAT, Type
 
 Nat = Annotated[int, "a whole number from 0 on"]
@@ -40,8 +40,6 @@ StateT = TypeVar("StateT")
 ActionT_co = TypeVar("ActionT_co", covariant=True)
 F = TypeVar("F", bound=Callable[..., Any])
 C = TypeVar("C", bound=type)
-WORDS = frozenset(KEYWORDS) | {"some", "all", "in", "and", "or", "not"}
-"""The words that cannot be names in a sketch."""
 
 
 class Problem(Protocol[StateT, ActionT_co]):
@@ -147,7 +145,7 @@ class Domain:
     def _claim(self, name: str, taken: Mapping[str, object], what: str) -> None:
         if name in taken:
             raise DomainError(f"domain {self.name} declares {what} {name} twice")
-        if name in WORDS or not (name.isascii() and name.isidentifier()):
+        if name in words() or not (name.isascii() and name.isidentifier()):
             raise DomainError(f"{what} {name} of domain {self.name} cannot be named in a sketch")
 
     @property

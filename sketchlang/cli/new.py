@@ -10,8 +10,8 @@ from pathlib import Path
 
 import click
 
-from sketchlang.domain import WORDS
 from sketchlang.loader import domain_names
+from sketchlang.syntax.grammar import words
 
 FILES = {
     "{name}.py": "domain.py.txt",
@@ -77,7 +77,7 @@ def _why_not(name: str) -> str | None:
     """What is wrong with a name, or None."""
     if not re.fullmatch(r"[a-z][a-z0-9_]*", name):
         return f"{name!r} is no name for a domain: use small letters, digits and _"
-    if name in WORDS or keyword.iskeyword(name) or name == "sketchlang":
+    if name in words() or keyword.iskeyword(name) or name == "sketchlang":
         return f"{name!r} is a reserved word"
     if name in sys.stdlib_module_names:
         # Its file would stand in the way of Python's own one.

@@ -6,11 +6,16 @@ inside keeps its lines, and only its signs are unified.
 
 from __future__ import annotations
 
-from sketchlang.source import Source
+from typing import TYPE_CHECKING
+
+from sketchlang.source import Source, Span
 from sketchlang.syntax import printer, tree
-from sketchlang.syntax.build import SIGNS
-from sketchlang.syntax.lexer import Comment, Token, tokenize
+from sketchlang.syntax.lexer import span, tokenize
 from sketchlang.syntax.parser import parse
+from sketchlang.syntax.signs import SIGNS
+
+if TYPE_CHECKING:
+    from lark import Token
 
 _SPELLINGS = SIGNS | {"∧": "and", "∨": "or", "→": "->", "↦": "->"}
 
@@ -64,23 +69,21 @@ def format_tree(parsed: tree.Tree) -> str:
 
 def _verbatim(text: str, item: tree.Item) -> list[str]:
     """The lines of an item as they are, but for signs and space at their ends."""
-    start, end = item.span.start, item.span.end
-    piece = text[start:end]
+    piece = text[item.span.start : item.span.end]
     tokens, comments = tokenize(piece)
+    places = [(span(token), _spelling(token)) for token in tokens]
+    places.extend((Span(comment.start, comment.end), comment.text) for comment in comments)
     spelled: list[str] = []
     done = 0
-    places: list[Token | Comment] = [*tokens, *comments]
-    for place in sorted(places, key=lambda one: one.start):
+    for place, spelling in sorted(places):
         spelled.append(piece[done : place.start])
-        spelled.append(_spelling(place))
+        spelled.append(spelling)
         done = place.end
     lines = "".join(spelled).expandtabs(printer.INDENT).split("\n")
     return [line.rstrip() for line in lines]
 
 
-def _spelling(place: Token | Comment) -> str:
-    if isinstance(place, Comment):
-        return place.text
-    if place.kind == "NOT" and place.text == "¬":
+def _spelling(token: Token) -> str:
+    if token == "¬":
         return "!"
-    return _SPELLINGS.get(place.text, place.text)
+    return _SPELLINGS.get(token, str(token))

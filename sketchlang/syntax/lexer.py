@@ -1,76 +1,65 @@
-"""Text to tokens. What no terminal of the grammar matches becomes an `ERROR` token."""
+"""Text to tokens, by Lark. What no terminal of the grammar matches becomes an `ERROR` token."""
 
 from __future__ import annotations
 
-import re
-from typing import NamedTuple
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, NamedTuple
 
-from grammars.table import KEYWORDS, PATTERNS
+from sketchlang.source import Span
+from sketchlang.syntax import grammar
+
+if TYPE_CHECKING:
+    from lark import Token
 
 ERROR = "ERROR"
 UNCLOSED_STRING = "UNCLOSED_STRING"
 
 
-class Token(NamedTuple):
-    """One word or sign; `first` tells whether it is the first one on its line, `flush`
-    whether there is not even space before it."""
-
-    kind: str
-    text: str
-    start: int
-    end: int
-    first: bool
-    flush: bool = False
-
-
 class Comment(NamedTuple):
-    """A `#` comment without its line break; `first` as for tokens."""
+    """A `#` comment without its line break; `first` tells whether its line begins with it."""
 
     text: str
     start: int
     end: int
     first: bool
-
-
-# Signs that nothing else claims are taken together, so that `@@@` is one mistake.
-_MASTER = re.compile(
-    "|".join(
-        f"(?P<{name}>{pattern})"
-        for name, pattern in [
-            *PATTERNS,
-            (UNCLOSED_STRING, r'"[^"\n]*'),
-            (ERROR, r"[^\w\s\"#(){},:=<>!?+¬∧∨↦→↓↑∃∀∈≠≤≥]+|\w+|."),
-        ]
-    )
-)
 
 
 def tokenize(text: str) -> tuple[list[Token], list[Comment]]:
     """All tokens and all comments of a text, in order."""
+
     tokens: list[Token] = []
     comments: list[Comment] = []
-    keywords = KEYWORDS
-    first = True
-    for match in _MASTER.finditer(text):
-        kind = match.lastgroup
-        if kind == "SPACE":
+    for token in grammar.load().lex(text, dont_ignore=True):
+        kind = token.type
+        if kind in {"SPACE", "NEWLINE"}:
             continue
-        if kind == "NEWLINE":
-            first = True
-            continue
-        start, end = match.span()
-        word = text[start:end]
         if kind == "COMMENT":
-            comments.append(Comment(word.rstrip(), start, end, first))
+            place = span(token)
+            first = not tokens or tokens[-1].line != token.line
+            comments.append(Comment(token.rstrip(), place.start, place.end, first))
             continue
-        if kind == "NAME":
-            kind = keywords.get(word, "NAME")
-        elif kind == ERROR and tokens and tokens[-1].end == start and word[0].isalpha():
+        if (
+            kind == ERROR
+            and token[0].isalpha()
+            and tokens
+            and tokens[-1].end_pos == token.start_pos
+        ):
             # `größe`: the whole word is wrong, not its middle.
-            start = tokens.pop().start
-            word = text[start:end]
-        assert kind is not None
-        flush = first and (start == 0 or text[start - 1] == "\n")
-        tokens.append(Token(kind, word, start, end, first, flush))
-        first = False
+            before = tokens.pop()
+            token = token.update(value=before.value + token.value)
+            token.start_pos, token.column = before.start_pos, before.column
+        tokens.append(token)
     return tokens, comments
+
+
+def span(token: Token) -> Span:
+    """Where a token stands."""
+    start, end = token.start_pos, token.end_pos
+    assert start is not None
+    assert end is not None
+    return Span(start, end)
+
+
+def begins_line(tokens: Sequence[Token], number: int) -> bool:
+    """Whether a token is the first one on its line."""
+    return number == 0 or tokens[number - 1].line != tokens[number].line

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-from grammars.table import KEYWORDS, MISTAKES
 from sketchlang.source import Span
 from sketchlang.suggest import did_you_mean
-from sketchlang.syntax.lalr import STOP, StuckError
-from sketchlang.syntax.lexer import Token
+from sketchlang.syntax import examples, grammar
+from sketchlang.syntax.item import END, StuckError
+from sketchlang.syntax.lexer import ERROR, span
+
+if TYPE_CHECKING:
+    from lark import Token
 
 
 class Mistake(NamedTuple):
@@ -100,82 +103,60 @@ ITEMS = (
     "goal",
     "rule",
 )
-ITEM_KINDS = frozenset(KEYWORDS[word] for word in ITEMS)
-"""The terminals that items begin with."""
-
-_EXPRESSION = frozenset({"NAME", "NUMBER", "TRUE", "_LPAR", "SOME"})
-_COMPARISONS = frozenset({"EQ", "NE", "LT", "LE", "GT", "GE", "IN"})
-_OPERATORS = _COMPARISONS | {"_AND", "_OR", "_ARROW", "_PLUS"}
-_WORDS = {name: word for word, name in KEYWORDS.items()} | {
+_WORDS = grammar.spellings() | {
+    "NOT": "!",
     "NAME": "a name",
     "NUMBER": "a number",
     "STRING": "a quoted path",
-    "SOME": "some",
-    "ALL": "all",
-    "IN": "in",
-    "_AND": "and",
-    "_OR": "or",
-    "NOT": "!",
-    "NE": "!=",
-    "LE": "<=",
-    "GE": ">=",
-    "_ARROW": "->",
-    "DEC": "--",
-    "INC": "++",
-    "ANY": "?",
-    "EQ": "=",
-    "LT": "<",
-    "GT": ">",
-    "_PLUS": "+",
-    "_LPAR": "(",
-    "_RPAR": ")",
-    "_LBRACE": "{",
-    "_RBRACE": "}",
-    "_COMMA": ",",
-    "_COLON": ":",
 }
 _DESCRIPTIONS = {"NAME", "NUMBER", "STRING"}
+_EXPRESSION = frozenset({"NAME", "NUMBER", "TRUE", "_LPAR", "SOME"})
+_COMPARISONS = frozenset({"EQ", "NE", "LT", "LE", "GT", "GE", "IN"})
+_OPERATORS = _COMPARISONS | {"_AND", "_OR", "_ARROW", "_PLUS"}
+
+ITEM_KINDS = frozenset(kind for kind, word in grammar.spellings().items() if word in ITEMS)
+"""The terminals that items begin with."""
 
 
 def is_word(token: Token) -> bool:
     """Whether a token is a keyword of the language."""
-    return token.kind != "NAME" and token.text.isidentifier()
+    return token.type not in {"NAME", ERROR} and token.isidentifier()
 
 
 def describe(token: Token) -> str:
     """A token in a sentence."""
-    if token.kind == STOP:
+    if token.type == END:
         return "the end of the item"
-    text = token.text if len(token.text) <= 30 else token.text[:29] + "…"
+    text = token if len(token) <= 30 else token[:29] + "…"
     return f"the keyword `{text}`" if is_word(token) else f"`{text}`"
 
 
 def explain(stuck: StuckError) -> Mistake:
     """The diagnostic for a token that cannot stand where it is."""
     token = stuck.token
-    span = Span(token.start, token.end)
+    place = span(token)
     if is_word(token) and "NAME" in stuck.expected and not stuck.expected & {"NUMBER"}:
         return Mistake(
             "keyword-as-name",
-            f"`{token.text}` is a keyword and cannot be a name",
-            span,
-            f"Choose another name, for example `{token.text}_`.",
+            f"`{token}` is a keyword and cannot be a name",
+            place,
+            f"Choose another name, for example `{token}_`.",
         )
-    if token.kind in ITEM_KINDS and STOP in stuck.expected:
+    if token.type in ITEM_KINDS and END in stuck.expected:
         return Mistake(
             "items-on-one-line",
             f"{describe(token)} begins an item in the middle of a line",
-            span,
+            place,
             _bounded(stuck) or "Begin every item on a line of its own.",
         )
-    code = MISTAKES.get((stuck.state, token.kind))
+    code = examples.mistakes().get(stuck.place)
     if code is None:
-        return Mistake("syntax-error", _expected(stuck), span, _foreign(stuck))
+        return Mistake("syntax-error", _expected(stuck), place, _foreign(stuck))
     message, hint = MESSAGES[code]
     found = describe(token)
     if code == "unknown-type":
-        hint = did_you_mean(token.text, ("bool", "nat")) or hint
-    return Mistake(code, message.replace("{found}", found), span, hint)
+        hint = did_you_mean(token, ("bool", "nat")) or hint
+    return Mistake(code, message.replace("{found}", found), place, hint)
 
 
 def _expected(stuck: StuckError) -> str:
@@ -191,9 +172,9 @@ def _expected(stuck: StuckError) -> str:
     elif expected >= _COMPARISONS - {"IN"}:
         parts.append("a comparison")
         expected -= _COMPARISONS
-    if STOP in expected:
+    if END in expected:
         parts.append("the end of the item")
-        expected.discard(STOP)
+        expected.discard(END)
     for kind in sorted(expected):
         word = _WORDS[kind]
         parts.append(word if kind in _DESCRIPTIONS else f"`{word}`")
@@ -207,26 +188,26 @@ def _foreign(stuck: StuckError) -> str | None:
     if arrow is not None:
         return arrow
     for token in (stuck.token, stuck.previous):
-        meant = FOREIGN.get(token.text) if token is not None else None
+        meant = FOREIGN.get(token) if token is not None else None
         if token is not None and meant:
-            return f"Write `{meant}` for `{token.text}`."
+            return f"Write `{meant}` for `{token}`."
     return None
 
 
 def _foreign_arrow(stuck: StuckError) -> str | None:
     """What to write for `=>` and `<->`, which are two signs here."""
     before, token = stuck.previous, stuck.token
-    if before is None or before.end != token.start:
+    if before is None or before.end_pos != token.start_pos:
         return None
-    if (before.kind, token.kind) == ("EQ", "GT"):
+    if (before.type, token.type) == ("EQ", "GT"):
         return "Write `->` for `=>`."
-    if (before.kind, token.kind) == ("LT", "_ARROW"):
+    if (before.type, token.type) == ("LT", "_ARROW"):
         return "Write an implication `->` for each direction."
     return None
 
 
 def _bounded(stuck: StuckError) -> str | None:
     """What to write for `feature n : nat bounded`."""
-    if stuck.token.text == "bounded" and not stuck.token.first:
+    if stuck.token == "bounded" and stuck.number:
         return "Write `bounded` before `feature`, as in `bounded feature n : nat`."
     return None

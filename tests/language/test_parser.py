@@ -5,52 +5,53 @@ from __future__ import annotations
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from lark import Lark
 from lark.exceptions import UnexpectedInput
 
-from grammars import generate, table
 from sketchlang.source import Source
-from sketchlang.syntax import printer
+from sketchlang.syntax import examples, grammar, printer
 from sketchlang.syntax.mistakes import MESSAGES
 from sketchlang.syntax.parser import parse
 from tests.language.trees import items
 
-LARK: Lark = generate.build()
-SIGNS = "some all in and or not ! != <= >= -> -- ++ ? = < > + ( ) { } , :"
-TOKENS = [*table.KEYWORDS, *SIGNS.split(), "x", "f", "0", "7", '"p"']
+SIGNS = "!= <= >= -> -- ++ ? = < > + ( ) { } , : !"
+TOKENS = [*sorted(grammar.words()), *SIGNS.split(), "x", "f", "0", "7", '"p"']
 
 
 def codes(text: str) -> list[str]:
     return [found.code for found in parse(Source("t", text))[1]]
 
 
-def test_the_table_is_up_to_date() -> None:
-    """Run `python -m grammars.generate` after a change of the grammar."""
-    values = generate.tables(LARK)
-    assert {name: getattr(table, name) for name in values} == values
-
-
 def test_every_mistake_has_a_message() -> None:
-    assert set(MESSAGES) == set(table.MISTAKES.values())
+    assert set(MESSAGES) == set(examples.mistakes().values())
 
 
-def accepted_by_lark(text: str) -> bool:
+def test_examples_that_contradict_each_other_are_noticed() -> None:
+    with pytest.raises(ValueError, match="is stuck where"):
+        examples.place("one\n    goal a\ntwo\n    goal !a\n    goal b\n")
+    with pytest.raises(ValueError, match="is no mistake"):
+        examples.place("one\n    goal { a }\n")
+
+
+def grammatical(text: str) -> bool:
+    """Whether Lark takes a text as one item when it reads it by itself."""
     try:
-        LARK.parse(text)
+        grammar.load().parse(text)
     except UnexpectedInput:
         return False
     return True
 
 
 @given(items)
-def test_lark_accepts_what_is_accepted(item: object) -> None:
+def test_what_is_printed_is_parsed(item: object) -> None:
     text = "\n".join(printer.item(item))  # type: ignore[arg-type]
     assert codes(text) == []
-    assert accepted_by_lark(text)
+    assert grammatical(text)
 
 
 @given(items, st.data())
-def test_lark_rejects_what_is_rejected(item: object, data: st.DataObject) -> None:
+def test_a_damaged_item_is_reported_if_the_grammar_forbids_it(
+    item: object, data: st.DataObject
+) -> None:
     """One token is left out, doubled or replaced."""
     words = " ".join(printer.item(item)).split(" ")  # type: ignore[arg-type]
     place = data.draw(st.integers(0, len(words) - 1))
@@ -61,7 +62,7 @@ def test_lark_rejects_what_is_rejected(item: object, data: st.DataObject) -> Non
     found = codes(text)
     # Chained comparisons and long numbers are no matter of grammar.
     if not {"chained-comparison", "number-too-large"} & set(found):
-        assert accepted_by_lark(text) == (not found), text
+        assert grammatical(text) == (not found), text
 
 
 @settings(max_examples=300)
@@ -70,7 +71,7 @@ def test_random_tokens(words: list[str]) -> None:
     text = " ".join(words)
     found = codes(text)
     if not {"chained-comparison", "number-too-large"} & set(found):
-        assert accepted_by_lark(text) == (not found), text
+        assert grammatical(text) == (not found), text
 
 
 GOOD = """\

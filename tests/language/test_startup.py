@@ -19,7 +19,7 @@ finally:
     print(*sorted(names - {"__main__"}), file=sys.stderr)
 """
 # `runtime` is there for the classes of the domain; it must not bring more along.
-ALLOWED = {"click", "domains", "grammars", "runtime", "sketchlang"}
+ALLOWED = {"click", "domains", "grammars", "lark", "runtime", "sketchlang"}
 # What the installation itself may load before anything else.
 SITE = {"_distutils_hack", "sitecustomize", "usercustomize"}
 

@@ -7,14 +7,16 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from sketchlang.domain import WORDS
 from sketchlang.source import Source, Span
 from sketchlang.syntax import tree
+from sketchlang.syntax.grammar import words
 
 HERE = Span(0, 0)
 
-words = st.from_regex(r"[a-zA-Z_][a-z0-9_]{0,6}", fullmatch=True).filter(lambda w: w not in WORDS)
-names = words.map(lambda word: tree.Name(word, HERE))
+spelled = st.from_regex(r"[a-zA-Z_][a-z0-9_]{0,6}", fullmatch=True).filter(
+    lambda word: word not in words()
+)
+names = spelled.map(lambda word: tree.Name(word, HERE))
 numbers = st.integers(0, 10**9)
 
 
@@ -91,7 +93,7 @@ items: st.SearchStrategy[tree.Item] = st.one_of(
             alphabet=st.characters(codec="utf-8", exclude_characters='"\n\r\x0b\x0c'), max_size=9
         ),
     ),
-    st.builds(lambda name: tree.Include(name, False, HERE, HERE), words),
+    st.builds(lambda name: tree.Include(name, False, HERE, HERE), spelled),
     st.builds(
         tree.FeatureItem,
         names,

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 import sketchlang
-from grammars.table import MISTAKES
 from sketchlang.check.report import WARNINGS
 from sketchlang.pages import FILES, pages
+from sketchlang.syntax.examples import mistakes
 from tests.spec import runner
 
 PACKAGE = Path(sketchlang.__file__).parent
@@ -36,7 +36,7 @@ def test_example(section: runner.Section) -> None:
 
 def test_every_code_has_a_page() -> None:
     """Codes are string constants: every one in the sources has its page, and no others."""
-    used = set(MISTAKES.values())
+    used = set(mistakes().values())
     makers = "add|Mistake|RejectedError|Diagnostic|_twice|_duplicate"
     pattern = re.compile(rf'(?:{makers})\(\s*"([a-z]+(?:-[a-z]+)+|shadowing|uncovered)"')
     for path in PACKAGE.rglob("*.py"):
