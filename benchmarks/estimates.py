@@ -16,10 +16,11 @@ from collections import Counter
 
 import numpy as np
 
-from domains.library import find_scene
 from domains.tabletop.features.swept import HEADINGS, STEP
 from domains.tabletop.problem import PickPlaceProblem, load_problem
 from domains.tabletop.state import UNIT, Grasp, Pick, State
+from sketchlang.domain import LoadOptions
+from sketchlang.library import find_scene
 
 SCENES = ("sorting/3t-25", "sorting/1t-20", "sorting/4t-28", "non_monotonic/2t-11", "words/tamp")
 BASES = 8
@@ -58,7 +59,7 @@ def main() -> None:
     print("| scene | headings | agree | optimistic | pessimistic |")
     print("|---|---|---|---|---|")
     for name in sys.argv[1:] or SCENES:
-        problem = load_problem(str(find_scene(name)[0]), {"seed": 0, "name": name})
+        problem = load_problem(str(find_scene(name)[0]), LoadOptions(name))
         counts = compare(problem, np.random.default_rng(0))
         total = sum(counts.values())
         agree = counts[True, True] + counts[False, False]

@@ -12,7 +12,6 @@ from time import perf_counter
 
 import numpy as np
 
-from domains.library import find_scene
 from domains.tabletop.actions.document import document
 from domains.tabletop.loop.closed_loop import ClosedLoop
 from domains.tabletop.loop.disturb import KINDS
@@ -28,6 +27,7 @@ from runtime.trace.make import trace_of_plan
 from runtime.trace.model import Trace
 from runtime.trace.sketch import load_trace_sketch
 from sketchlang.compile import compile_sketch
+from sketchlang.library import find_scene
 from sketchlang.loader import load_sketch
 
 SKETCH = "pick_and_place"

@@ -18,6 +18,8 @@ from typing import Any
 
 import numpy as np
 
+from sketchlang.domain import LoadOptions
+
 SCENES = ("sorting/4t-28", "sorting/1t-20", "words/tamp")
 ALWAYS = 1.0  # as long as a line: everything is due with everything else
 
@@ -28,11 +30,11 @@ def measure(together: float | None) -> None:
 
     if together is not None:
         arm.TOGETHER = together
-    from domains.library import find_scene
     from domains.tabletop.problem import load_problem
     from runtime.search.limits import Limits
     from runtime.search.siw_r import lazy_siiw_r
     from sketchlang.compile import compile_sketch
+    from sketchlang.library import find_scene
     from sketchlang.loader import load_sketch
 
     test, questions = arm.path_collides, []
@@ -45,7 +47,7 @@ def measure(together: float | None) -> None:
     arm.path_collides = keeping
     for scene in SCENES:
         path, name = find_scene(scene)
-        problem = load_problem(str(path), {"seed": 0, "name": name})
+        problem = load_problem(str(path), LoadOptions(name))
         lazy_siiw_r(compiled, problem, Limits(), np.random.default_rng(0))
     started = perf_counter()
     free = sum(test(*question) < 0 for question in questions)

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from runtime.errors import InputError
+from sketchlang.errors import InputError
 
 
 def write_text(path: Path, text: str) -> None:

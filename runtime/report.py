@@ -5,32 +5,23 @@ from __future__ import annotations
 from collections import Counter
 from typing import Any
 
-from runtime.search.problem import SearchProblem
-from runtime.search.siw_r import Outcome
+from runtime.solve import Result
 from sketchlang import __version__
-from sketchlang.model import SketchModel
 
 
-def make_report(
-    model: SketchModel,
-    problem: SearchProblem,
-    scene: str,
-    planner: str,
-    seed: int,
-    outcome: Outcome,
-    seconds: float,
-) -> dict[str, Any]:
+def make_report(result: Result) -> dict[str, Any]:
     """The object that `run --json` prints."""
-    profile = problem.profile_dict()
+    task, outcome = result.task, result.outcome
+    profile = task.reporting.profile()
     report: dict[str, Any] = {
-        "sketch": model.name,
-        "scene": scene,
-        "planner": planner,
-        "robot": problem.robot_name(),
-        "seed": seed,
+        "sketch": task.sketch.model.name,
+        "scene": task.scene,
+        "planner": result.planner,
+        "robot": task.reporting.robot,
+        "seed": task.seed,
         "solved": outcome.solved,
-        "planning_time_s": round(seconds, 4),
-        "execution_time_s": round(problem.execution_time(outcome), 2),
+        "planning_time_s": round(outcome.seconds, 4),
+        "execution_time_s": round(result.plan.execution_time, 2),
         "expanded": outcome.effort.expanded,
         "generated": outcome.effort.generated,
         "subplans": len(outcome.subgoals),
@@ -42,35 +33,29 @@ def make_report(
     }
     if not outcome.solved:
         report["reason"] = outcome.reason
-        report["rejected"] = outcome.rejected
-        report["obstacles"] = problem.obstacles(outcome.state)
+        report["why"] = task.reporting.why(outcome)
         if outcome.stuck is not None:
-            names = [feature.name for feature in model.features]
-            report["stuck_at"] = dict(zip(names, outcome.stuck, strict=True))
+            names = [feature.name for feature in task.sketch.model.features]
+            report["stuck"] = dict(zip(names, outcome.stuck, strict=True))
     return report
 
 
-def summary(model: SketchModel, report: dict[str, Any], outcome: Outcome) -> list[str]:
+def summary(report: dict[str, Any]) -> list[str]:
     """The same in a few lines."""
     lines = []
     subplans, seconds = report["subplans"], report["planning_time_s"]
     if report["solved"]:
         lines.append(
-            f"solved in {seconds:.2f} s: {subplans} subplans, {report['actions']} actions"
+            f"solved in {seconds:.2f} s: {counted(subplans, 'subplan')}, "
+            f"{counted(report['actions'], 'action')}"
             + (f", {report['execution_time_s']:.0f} s to execute" if report["robot"] else "")
         )
     else:
         lines.append(f"not solved after {seconds:.2f} s: {report['reason']}")
-        if outcome.stuck is not None:
-            values = ", ".join(
-                f"{feature.name} = {value}"
-                for feature, value in zip(model.features, outcome.stuck, strict=True)
-            )
-            lines.append(f"reached {subplans} subgoals; there the features are {values}")
-        lines += [f"  {obstacle}" for obstacle in report["obstacles"]]
-        died = ", ".join(f"{count} at {name}" for name, count in report["rejected"].items())
-        if died:
-            lines.append(f"candidates rejected in the last subproblem: {died}")
+        if "stuck" in report:
+            values = ", ".join(f"{name} = {value}" for name, value in report["stuck"].items())
+            lines.append(f"after {counted(subplans, 'subgoal')} the features are {values}")
+        lines += [f"  {finding['text']}" for finding in report["why"]]
     fired = ", ".join(f"{rule} {count}x" for rule, count in report["rules_fired"].items())
     if fired:
         lines.append(f"rules: {fired}")
@@ -82,3 +67,8 @@ def summary(model: SketchModel, report: dict[str, Any], outcome: Outcome) -> lis
             f" {1000 * step['time_s']:>8.1f} ms"
         )
     return lines
+
+
+def counted(number: int, noun: str) -> str:
+    """A number and its noun, in the plural where that is due."""
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"

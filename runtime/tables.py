@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from runtime.errors import InputError
+from sketchlang.errors import InputError
 
 
 def read_toml(path: Path) -> Table:

@@ -53,6 +53,17 @@ class Problem(Protocol[StateT, ActionT_co]):
         ...
 
 
+@dataclass(frozen=True)
+class LoadOptions:
+    """What a scene loader is told besides the path: the scene's name for people, the seed of
+    the run, the robot's name or file (None: the default one) and the domain's own actions."""
+
+    name: str = ""
+    seed: int = 0
+    robot: str | None = None
+    actions: Mapping[str, Any] = field(default_factory=dict)
+
+
 class DomainError(Exception):
     """A domain is declared in a way that sketches cannot use; the text says how to mend it."""
 
@@ -64,17 +75,25 @@ class SceneError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Function:
-    """A function of the domain as sketches see it; `call` takes the state first."""
+    """A function of the domain as sketches see it; `call` takes the state first. `ignores`
+    are the parts of the state that its result does not depend on."""
 
     name: str
     call: Callable[..., Any]
     parameters: tuple[Type, ...]
     result: Type
+    ignores: frozenset[str] = frozenset()
 
     @property
     def summary(self) -> str:
         """The first line of its docstring."""
         return (inspect.getdoc(self.call) or "").partition("\n")[0]
+
+    @property
+    def position(self) -> str:
+        """`file:line` of its definition, or its name where that is not to be had."""
+        code = getattr(inspect.unwrap(self.call), "__code__", None)
+        return f"{_shown(code.co_filename)}:{code.co_firstlineno}" if code else self.name
 
     def place(self) -> Label | None:
         """Its `def` line, or None where the source is not to be had."""
@@ -101,17 +120,21 @@ class Function:
 
 @dataclass
 class Domain:
-    """Sorts, functions, atoms and the scene loader of a domain, by their names.
+    """Sorts, functions, atoms, actions and the scene loader of a domain, by their names.
 
     `atoms[name]` maps a state to the atoms of one family that are true in it; `load` makes
-    a problem of the path of a scene and the options of the command line.
+    a problem of the path of a scene and options. `actions` are further action schemas, for
+    domains whose problems take such. A domain that `has_robots` plans for one of them.
     """
 
     name: str
     summary: str = ""
     sorts: dict[str, type] = field(default_factory=dict)
     atoms: dict[str, Callable[[Any], Iterable[Hashable]]] = field(default_factory=dict)
-    load: Callable[[str, Mapping[str, object]], Any] | None = None
+    actions: dict[str, Any] = field(default_factory=dict)
+    load: Callable[[str, LoadOptions], Any] | None = None
+    has_robots: bool = False
+    _ignores: dict[str, frozenset[str]] = field(default_factory=dict)
     _declared: dict[str, Callable[..., Any]] = field(default_factory=dict)
     _resolved: dict[str, Function] = field(default_factory=dict)
 
@@ -123,11 +146,57 @@ class Domain:
         self.sorts[cls.__name__] = cls
         return cls
 
-    def function(self, function: F) -> F:
-        """Declare a function that feature expressions can call, under its own name."""
-        self._claim(function.__name__, self._declared, "function")
-        self._declared[function.__name__] = function
-        return function
+    @classmethod
+    def extend(cls, base: Domain, name: str | None = None, summary: str = "") -> Domain:
+        """A domain that has all of another one, and to which more can be added.
+
+        Where it keeps the name of its base, sketches that use the base use it instead as soon
+        as its file is given with `--domain`.
+        """
+        if not isinstance(base, Domain):
+            raise DomainError(f"Domain.extend takes a Domain, not {type(base).__name__}")
+        return cls(
+            name or base.name,
+            summary or base.summary,
+            dict(base.sorts),
+            dict(base.atoms),
+            dict(base.actions),
+            base.load,
+            base.has_robots,
+            dict(base._ignores),
+            dict(base._declared),
+        )
+
+    @typing.overload
+    def function(self, function: F) -> F: ...
+
+    @typing.overload
+    def function(self, *, ignores: str | Iterable[str]) -> Callable[[F], F]: ...
+
+    def function(
+        self, function: F | None = None, *, ignores: str | Iterable[str] = ()
+    ) -> F | Callable[[F], F]:
+        """Declare a function that feature expressions can call, under its own name.
+
+        `ignores` names the parts (fields) of the state that its result does not depend on: in
+        states that differ in these only, it need not be asked again.
+        """
+        parts = frozenset((ignores,) if isinstance(ignores, str) else ignores)
+
+        def declare(function: F) -> F:
+            self._claim(function.__name__, self._declared, "function")
+            self._declared[function.__name__] = function
+            self._ignores[function.__name__] = parts
+            return function
+
+        return declare if function is None else declare(function)
+
+    def action(self, schema: C) -> C:
+        """Declare an action schema: a class whose instances are made without arguments. What it
+        has to offer is up to the domain whose scenes are loaded."""
+        self._claim(schema.__name__, self.actions, "action")
+        self.actions[schema.__name__] = schema
+        return schema
 
     def atom(self, function: F) -> F:
         """Declare a family of novelty atoms: state -> hashable values true in it."""
@@ -175,9 +244,8 @@ class Domain:
                 )
             arguments.append(kind)
         result = function.__annotations__.get("return", inspect.Parameter.empty)
-        return Function(
-            name, function, tuple(arguments), self._type(name, function, "the result", result)
-        )
+        kind = self._type(name, function, "the result", result)
+        return Function(name, function, tuple(arguments), kind, self._ignores[name])
 
     def _where(self, name: str, function: Callable[..., Any]) -> str:
         code = getattr(function, "__code__", None)

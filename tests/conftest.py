@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from domains.library import find_scene
 from domains.tabletop.scene.load import load_scene
 from domains.tabletop.scene.model import Scene
 from runtime.robot.load import load_robot
 from runtime.robot.model import RobotModel
+from sketchlang.library import find_scene
 
 
 @pytest.fixture(scope="session")

@@ -139,7 +139,10 @@ def texts() -> list[Path]:
     return [
         path
         for path in [*ROOT.iterdir(), *inside]
-        if path.is_file() and path.suffix in TEXTS and "__pycache__" not in path.parts
+        if path.is_file()
+        and path.suffix in TEXTS
+        and path.name != ".git"
+        and "__pycache__" not in path.parts
     ]
 
 

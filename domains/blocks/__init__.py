@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable, Mapping
+from collections.abc import Hashable, Iterable
 from typing import TYPE_CHECKING
 
 from domains.blocks.problem import Block, BlocksProblem, State
-from sketchlang.domain import Domain, Nat
+from sketchlang.domain import Domain, LoadOptions, Nat
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -70,7 +70,7 @@ def on(state: State) -> Iterable[Hashable]:
 
 
 @domain.scenes
-def load(path: str | Path, _options: Mapping[str, object]) -> BlocksProblem:
+def load(path: str | Path, _options: LoadOptions) -> BlocksProblem:
     """The problem of a scene file; raises `SceneError` with what is wrong in it."""
     from domains.blocks.scene import read
 

@@ -6,11 +6,11 @@ Width" (AAAI 2021).
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable, Mapping
+from collections.abc import Hashable, Iterable
 from typing import TYPE_CHECKING
 
 from domains.delivery.problem import DeliveryProblem, Package, State
-from sketchlang.domain import Domain, Nat
+from sketchlang.domain import Domain, LoadOptions, Nat
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -73,7 +73,7 @@ def holding(state: State) -> Iterable[Hashable]:
 
 
 @domain.scenes
-def load(path: str | Path, _options: Mapping[str, object]) -> DeliveryProblem:
+def load(path: str | Path, _options: LoadOptions) -> DeliveryProblem:
     """The problem of a scene file; raises `SceneError` with what is wrong in it."""
     from domains.delivery.scene import read
 

@@ -6,17 +6,21 @@ Nothing heavy is imported here: `sketchlang check` reads these signatures.
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable, Mapping
+from collections.abc import Hashable, Iterable
 from typing import TYPE_CHECKING
 
 from domains.tabletop.state import Placement
-from sketchlang.domain import Domain, Nat
+from sketchlang.domain import Domain, LoadOptions, Nat
 
 if TYPE_CHECKING:
     from domains.tabletop.problem import PickPlaceProblem
     from domains.tabletop.state import State
 
-domain = Domain("tabletop", summary="Pick and place of objects on tables with a mobile robot")
+domain = Domain(
+    "tabletop",
+    summary="Pick and place of objects on tables with a mobile robot",
+    has_robots=True,
+)
 
 
 @domain.sort
@@ -27,43 +31,43 @@ class Object(int):
 domain.sort(Placement)
 
 
-@domain.function
+@domain.function(ignores="base")
 def objects(state: State) -> tuple[Object, ...]:
     """All movable objects."""
     return tuple(Object(i) for i in range(len(state.placements)))
 
 
-@domain.function
+@domain.function(ignores="base")
 def held(state: State, o: Object) -> bool:
     """Whether an object is in the gripper."""
     return state.held == o
 
 
-@domain.function
+@domain.function(ignores="base")
 def misplaced(state: State, o: Object) -> bool:
     """Whether an object stands outside its goal, or is held and its goal is blocked."""
     return o in state.task.misplaced(state)
 
 
-@domain.function
+@domain.function(ignores="base")
 def goal_placements(state: State, o: Object) -> tuple[Placement, ...]:
     """Unoccupied placements in which an object would be where the scene wants it."""
     return state.task.goal_placements(state, o)
 
 
-@domain.function
+@domain.function(ignores="base")
 def disturbed_by(state: State, o: Object, p: Placement) -> Nat:
     """How many other misplaced objects would be obstructed more with an object at p."""
     return state.task.disturbed_by(state, o, p)
 
 
-@domain.function
+@domain.function(ignores="base")
 def obstructions(state: State, o: Object) -> Nat:
     """alpha: fewest objects in the way of picking o up and putting it at its goal."""
     return state.task.obstructions(state, o)
 
 
-@domain.function
+@domain.function(ignores="base")
 def disturbances(state: State, o: Object) -> Nat:
     """beta: fewest misplaced objects that a goal placement of o blocks."""
     return state.task.disturbances(state, o)
@@ -85,8 +89,8 @@ def object_at(state: State) -> Iterable[Hashable]:
 
 
 @domain.scenes
-def load(path: str, options: Mapping[str, object]) -> PickPlaceProblem:
-    """The problem of a scene file; options: `robot` (name or file), `seed`, `name`."""
+def load(path: str, options: LoadOptions) -> PickPlaceProblem:
+    """The problem of a scene file."""
     from domains.tabletop.problem import load_problem
 
     return load_problem(path, options)

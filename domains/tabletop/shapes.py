@@ -14,7 +14,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from runtime.errors import InputError
+from sketchlang.errors import InputError
 
 GRASP_HEIGHT = 0.12
 """Metres above the object's bottom, as published; lower for objects that are not as tall."""

@@ -18,7 +18,7 @@ from domains.tabletop.world import Task
 from runtime.motion import rrt
 from runtime.motion.arm_context import ArmContext
 from runtime.robot.model import RobotModel
-from runtime.search.problem import Subproblem
+from runtime.search.problem import Rejection, Subproblem
 
 _WARM: set[str] = set()
 
@@ -49,10 +49,12 @@ def warm_up(robot: RobotModel) -> None:
 def _first(subproblem: Subproblem, state: State) -> State | None:
     """The state after the first move and the first manipulation that are executable."""
     for action, after in subproblem.actions(state):
-        if subproblem.execute(state, action) is None:
+        if isinstance(subproblem.execute(state, action), Rejection):
             continue
         for second, end in subproblem.actions(after):
-            if end.held != after.held and subproblem.execute(after, second) is not None:
+            if end.held == after.held:
+                continue
+            if not isinstance(subproblem.execute(after, second), Rejection):
                 return end  # type: ignore[no-any-return]
     return None
 

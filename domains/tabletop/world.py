@@ -16,10 +16,10 @@ from domains.tabletop.features.words import WordGoals
 from domains.tabletop.scene.model import PoseGoal, RegionGoal, Scene
 from domains.tabletop.shapes import Shape, box_shape
 from domains.tabletop.state import BasePose, Grasp, Placement, State
-from runtime.errors import InputError
 from runtime.motion.base import BaseRoads, Footprint, footprint
 from runtime.motion.room import room_around
 from runtime.robot.model import Floats, Ints, RobotModel
+from sketchlang.errors import InputError
 
 CACHED_OBJECTS = 12_000
 """As many arrangements are remembered as hold so many objects together, and not less than ..."""

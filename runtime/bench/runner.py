@@ -11,7 +11,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from runtime.errors import InputError
+from sketchlang.errors import InputError
 
 
 @dataclass(frozen=True, order=True)
@@ -111,36 +111,21 @@ def _end_last_line(path: Path) -> None:
 
 def run_job(job: Job) -> dict[str, Any]:
     """Plan once, certify the plan, and say what came out. Runs in a process of its own."""
-    import numpy as np
-
-    from domains.library import find_scene
-    from runtime.collector import spared
     from runtime.report import make_report
     from runtime.search.limits import Limits
-    from runtime.search.planners import PLANNERS
-    from runtime.search.problem import searchable
+    from runtime.solve import open_task
     from sketchlang.analysis.limits import peak_memory_mb
-    from sketchlang.compile import compile_sketch
     from sketchlang.loader import load_sketch
 
-    checked = load_sketch(job.sketch).checked
-    compiled = compile_sketch(checked)
-    assert checked.domain is not None
-    assert checked.domain.load is not None
-    path, name = find_scene(job.scene)
-    problem = searchable(checked.domain.load(str(path), {"seed": job.seed, "name": name}))
-    problem.warm_up()
-    plan = PLANNERS[job.planner]
-    limits = Limits(timeout=job.timeout)
-    with spared():
-        outcome = plan(compiled, problem, limits, np.random.default_rng(job.seed))
-    seconds = limits.elapsed()
-    report = make_report(compiled.model, problem, name, job.planner, job.seed, outcome, seconds)
+    task = open_task(load_sketch(job.sketch).checked, job.scene, job.seed)
+    result = task.solve(Limits(timeout=job.timeout), job.planner)
+    report = make_report(result)
     report["job"] = asdict(job)
-    report["objects_moved"] = len({a.object for s in outcome.subgoals for a in s.actions[-1:]})
-    if outcome.solved:
-        certificate = problem.certify(compiled.model, outcome, job.planner, job.seed)
-        report["valid"] = certificate.valid
-        report["findings"] = [finding.message for finding in certificate.findings]
+    moved = {getattr(a, "object", None) for s in result.outcome.subgoals for a in s.actions[-1:]}
+    report["objects_moved"] = len(moved - {None})
+    if result.solved:
+        verdict = result.plan.validate()
+        report["valid"] = verdict.valid
+        report["findings"] = [finding.message for finding in verdict.findings]
     report["peak_mb"] = round(peak_memory_mb())
     return report

@@ -12,11 +12,11 @@ from typing import Any
 
 import numpy as np
 
-from runtime.errors import InputError
 from runtime.export.messages import NANO
 from runtime.robot.model import Floats
 from runtime.trace.kinematics import Tree, links_at, object_at, pose_of
 from runtime.trace.model import WORLD, Trace
+from sketchlang.errors import InputError
 
 RATE = 20.0
 """Messages a second on each topic."""

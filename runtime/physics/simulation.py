@@ -23,11 +23,11 @@ from typing import Any
 import numpy as np
 
 from domains.tabletop.scene.model import Scene
-from runtime.errors import InputError
 from runtime.physics.bodies import BASE_JOINTS, OBJECT_DENSITY, Materials, robot_urdf
 from runtime.robot.model import Floats
 from runtime.trace.kinematics import matrix
 from runtime.trace.model import TraceRobot
+from sketchlang.errors import InputError
 
 STEP = 1 / 240
 """Seconds of one step of the simulation."""

@@ -15,10 +15,10 @@ from typing import Any
 
 import numpy as np
 
-from runtime.errors import InputError
 from runtime.files import write_text
 from runtime.motion.motion import ArmMove, BaseMove, GripperMove, Piece
 from runtime.robot.model import Floats
+from sketchlang.errors import InputError
 
 FORMAT = "sketchlang-plan"
 VERSION = 1

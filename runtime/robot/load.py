@@ -9,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 
-from runtime.errors import InputError
 from runtime.robot.model import (
     ArmWorkspace,
     Chain,
@@ -22,6 +21,7 @@ from runtime.robot.model import (
 from runtime.robot.urdf import Box, Joint, Urdf, read_urdf
 from runtime.tables import Table, read_toml
 from runtime.world.poses import Pose, compose, identity, invert
+from sketchlang.errors import InputError
 
 BUILT_IN = Path(__file__).parent
 DEFAULT_ROBOT = "tiago"

@@ -15,8 +15,8 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
-from runtime.errors import InputError
 from runtime.world.poses import Pose, identity, rotation_from_rpy
+from sketchlang.errors import InputError
 
 JOINT_TYPES = ("fixed", "revolute", "continuous", "prismatic")
 

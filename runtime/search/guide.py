@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, is_dataclass
+from operator import attrgetter
 
-from runtime.search.problem import Action, Motion, SearchProblem, State
+from runtime.search.problem import Action, Motion, State
 from sketchlang.compile import CompiledSketch
 
 Values = tuple[int, ...]
@@ -33,22 +34,38 @@ class Subgoal:
     rejected: Mapping[str, int]
 
 
-class Guide:
-    """Evaluates states, each set of equal feature values once."""
+DOUBTED = 8
+"""So many values that were remembered for a state that differs, in what the domain's functions
+declare to ignore, are computed anew and compared."""
 
-    def __init__(self, sketch: CompiledSketch, problem: SearchProblem) -> None:
+
+class Guide:
+    """Evaluates states, each set of equal feature values once.
+
+    Values are remembered by the whole state, but for what all functions of the sketch's
+    features declare to ignore.
+    """
+
+    def __init__(self, sketch: CompiledSketch) -> None:
         self.sketch = sketch
         self.model = sketch.model
-        self._key: Callable[[State], Hashable] = problem.feature_key
-        self._values: dict[Hashable, Values] = {}
+        self._values: dict[Hashable, tuple[Values, State]] = {}
+        self._key = _looked_at(sketch.ignores)
+        self._doubts = DOUBTED if sketch.ignores else 0
 
     def values(self, state: State) -> Values:
         """Feature values of a state."""
         key = self._key(state)
         found = self._values.get(key)
         if found is None:
-            found = self._values[key] = self.sketch.evaluate(state)
-        return found
+            values = self.sketch.evaluate(state)
+            self._values[key] = values, state
+            return values
+        values, known = found
+        if self._doubts and known != state:
+            self._doubts -= 1
+            self.sketch.confirm(state, values)
+        return values
 
     def forget(self) -> None:
         """Drop remembered values: states of a finished subproblem do not come back."""
@@ -75,3 +92,25 @@ class Guide:
     def applicable(self, values: Values) -> list[str]:
         """Names of the rules whose conditions hold."""
         return [rule.name for rule in self.model.rules if rule.applies(values)]
+
+
+def _looked_at(ignores: frozenset[str]) -> Callable[[State], Hashable]:
+    """What of a state the features of a sketch can depend on."""
+    if not ignores:
+        return lambda state: state
+    getters: dict[type, Callable[[State], Hashable]] = {}
+
+    def key(state: State) -> Hashable:
+        getter = getters.get(type(state))
+        if getter is None:
+            getter = getters[type(state)] = _getter(type(state), ignores)
+        return getter(state)
+
+    return key
+
+
+def _getter(kind: type, ignores: frozenset[str]) -> Callable[[State], Hashable]:
+    if not is_dataclass(kind):
+        return lambda state: state
+    kept = [f.name for f in fields(kind) if f.compare and f.name not in ignores]
+    return attrgetter(*kept) if kept else lambda _: ()

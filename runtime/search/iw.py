@@ -65,7 +65,7 @@ def iw(query: Query) -> tuple[Node, str] | None:
             # A sibling may have made the same atoms true meanwhile.
             if not table.is_novel(atoms):
                 continue
-            motion = subproblem.execute(node.state, action)
+            motion = query.execute(node.state, action)
             if motion is None:
                 continue
             child = Node(state, node, action, motion)

@@ -61,6 +61,7 @@ class LazyIW:
     def __init__(self, query: Query) -> None:
         self.guide = query.guide
         self.subproblem = query.subproblem
+        self.execute = query.execute
         self.before = query.before
         self.k = query.k
         self.limits = query.limits
@@ -95,6 +96,8 @@ class LazyIW:
                 if found is not None:
                     return found
                 if self._is_cut_off(node):
+                    # The rest of its children can wait until another edge leads to it.
+                    node.expanded = False
                     break
         return None
 
@@ -199,11 +202,8 @@ class LazyIW:
             supporters.append(node)
         return novel
 
-    def _is_cut_off(self, node: LazyNode) -> bool:
-        """Whether validation has cut a node off from the root; the rest of its children can
-        wait until another edge leads to it."""
-        if not node.connected:
-            node.expanded = False
+    @staticmethod
+    def _is_cut_off(node: LazyNode) -> bool:
         return not node.connected
 
     def _is_main(self, node: LazyNode) -> bool:
@@ -237,7 +237,7 @@ class LazyIW:
             for edge in path:
                 if edge.motion is None:
                     self.limits.check()
-                    edge.motion = self.subproblem.execute(edge.parent.state, edge.action)
+                    edge.motion = self.execute(edge.parent.state, edge.action)
                     if edge.motion is None:
                         self._cut(edge)
                         break

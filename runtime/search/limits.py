@@ -20,6 +20,10 @@ class Limits:
     attempts: int = 5
     start: float = field(default_factory=time.perf_counter)
 
+    def restart(self) -> None:
+        """Start the clock anew."""
+        self.start = time.perf_counter()
+
     def elapsed(self) -> float:
         """Seconds since the start."""
         return time.perf_counter() - self.start

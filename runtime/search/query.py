@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from runtime.search.guide import Guide, Values
 from runtime.search.limits import Limits
-from runtime.search.problem import State, Subproblem
+from runtime.search.problem import Action, Motion, Rejection, State, Subproblem
 
 
 @dataclass
@@ -31,3 +31,12 @@ class Query:
     k: int
     limits: Limits
     effort: Effort = field(default_factory=Effort)
+    rejections: list[Rejection] = field(default_factory=list)
+
+    def execute(self, state: State, action: Action) -> Motion | None:
+        """X: the motion of an action, or None; what X refuses is noted."""
+        answer = self.subproblem.execute(state, action)
+        if isinstance(answer, Rejection):
+            self.rejections.append(answer)
+            return None
+        return answer

@@ -9,9 +9,11 @@ Lazy-SIIW_R is the same loop around an IW that validates actions lazily.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from functools import partial
+from typing import Protocol
 
 import numpy as np
 
@@ -19,16 +21,18 @@ from runtime.search.guide import Guide, Subgoal, Values
 from runtime.search.iw import iw
 from runtime.search.lazy_iw import LazyIW
 from runtime.search.limits import Limits, OutOfTimeError
-from runtime.search.problem import Action, Motion, SearchProblem, State
+from runtime.search.problem import Action, Motion, Rejection, SearchProblem, State
 from runtime.search.query import Effort, Query
 from sketchlang.compile import CompiledSketch
+from sketchlang.model import Kind
 
 
 @dataclass
 class Outcome:
-    """What a search reached. Where it did not solve the problem, `reason` says why it ended,
-    `stuck` are the feature values there, and `rejected` counts the candidates of the last
-    subproblem that died at each step of X."""
+    """What a search reached, and the seconds it took. Where it did not solve the problem,
+    `reason` says why it ended, `stuck` are the feature values there, and `rejections` what X
+    refused in the last subproblem; `returned_to` is set where the state was that after so
+    many subgoals again: the sketch runs in a circle."""
 
     solved: bool = False
     subgoals: list[Subgoal] = field(default_factory=list)
@@ -36,10 +40,10 @@ class Outcome:
     state: State = None
     reason: str | None = None
     stuck: Values | None = None
-    rejected: dict[str, int] = field(default_factory=dict)
+    rejections: list[Rejection] = field(default_factory=list)
+    seconds: float = 0.0
+    returned_to: int | None = None
 
-
-Profile = dict[str, dict[str, float]]
 
 Progress = Callable[[Subgoal, float], None]
 
@@ -78,39 +82,51 @@ def serialize(
     progress: Progress | None = None,
 ) -> Outcome:
     """Solve a problem subgoal by subgoal. All randomness comes from `rng`."""
-    guide = Guide(sketch, problem)
+    guide = Guide(sketch)
     outcome = Outcome(state=problem.initial)
-    profile = problem.profile_dict()
+    been: dict[State, int] = {outcome.state: 0}
     try:
         while True:
-            profile = problem.profile_dict()
             values = guide.values(outcome.state)
             if guide.is_goal(values):
                 outcome.solved = True
-                return outcome
+                break
+            outcome.rejections = []
             subgoal = find_subgoal(
-                search, guide, problem, outcome.state, limits, rng, outcome.effort
-            )
+                search, guide, problem, outcome.state, limits, rng, outcome.effort,
+                outcome.rejections,
+            )  # fmt: skip
             if subgoal is None:
                 outcome.stuck = values
                 outcome.reason = _why(guide, values)
-                outcome.rejected = _rejected(profile, problem.profile_dict())
-                return outcome
+                break
             outcome.subgoals.append(subgoal)
             outcome.state = subgoal.states[-1]
             guide.forget()
             if progress is not None:
                 progress(subgoal, limits.elapsed())
+            before = been.setdefault(outcome.state, len(outcome.subgoals))
+            if before < len(outcome.subgoals):
+                outcome.stuck, outcome.returned_to = guide.values(outcome.state), before
+                outcome.reason = _loop(outcome, before)
+                break
     except OutOfTimeError:
         outcome.stuck = guide.values(outcome.state)
-        outcome.rejected = _rejected(profile, problem.profile_dict())
         outcome.reason = f"the time limit of {limits.timeout:g} s is over"
-        return outcome
+    outcome.seconds = limits.elapsed()
+    return outcome
 
 
-def schedule(limits: Limits) -> Iterator[tuple[int, int]]:
+def schedule(limits: Limits, guided: bool) -> Iterator[tuple[int, int]]:
     """(attempt, k) in the order in which a subproblem is tried: IW(1) on samples of growing
-    density first, then the wider searches, which grow faster, on samples of middling density."""
+    density first, then the wider searches, which grow faster, on samples of middling density.
+
+    Where the sketch has rules and none applies, it has nothing to say: one look for a goal
+    state that is near, and no more.
+    """
+    if not guided:
+        yield 0, 1
+        return
     for attempt in range(limits.attempts):
         yield attempt, 1
     for k in range(2, limits.k_max + 1):
@@ -125,18 +141,20 @@ def find_subgoal(
     limits: Limits,
     rng: np.random.Generator,
     effort: Effort,
+    rejections: list[Rejection],
 ) -> Subgoal | None:
-    """One round: a subplan from a state to a subgoal, or None. Nodes are added to `effort`.
+    """One round: a subplan from a state to a subgoal, or None. Nodes are added to `effort`,
+    what X refuses to `rejections`.
 
     Raises:
         OutOfTimeError: when the limits say so.
     """
     values = guide.values(state)
-    before = problem.profile_dict()
-    for attempt, k in schedule(limits):
+    guided = not guide.model.rules or bool(guide.applicable(values))
+    for attempt, k in schedule(limits, guided):
         limits.check()
         subproblem = problem.subproblem(state, attempt, rng)
-        query = Query(guide, subproblem, state, values, k, limits)
+        query = Query(guide, subproblem, state, values, k, limits, rejections=rejections)
         try:
             found = search(query)
         finally:
@@ -155,26 +173,47 @@ def find_subgoal(
                 width=k,
                 expanded=query.effort.expanded,
                 generated=query.effort.generated,
-                rejected=_rejected(before, problem.profile_dict()),
+                rejected=dict(Counter(rejection.step for rejection in rejections)),
             )
     return None
 
 
-def _rejected(before: Profile, after: Profile) -> dict[str, int]:
-    """Candidates rejected at each step of X between two profiles."""
-    rejected = {}
-    for name, step in after.items():
-        asked = step["calls"] - before[name]["calls"]
-        rejected[name] = int(asked - (step["successes"] - before[name]["successes"]))
-    return rejected
-
-
 def _why(guide: Guide, values: Values) -> str:
     rules = guide.applicable(values)
+    if guide.model.rules and not rules:
+        return f"no rule of the sketch applies at {{{_valuation(guide, values)}}}"
     if not rules:
-        return "no rule of the sketch applies here, and no goal state was found"
+        return "no goal state was found"
     return f"no subgoal of {' or '.join(rules)} was found"
 
 
-siw_r = partial(serialize, eager)
-lazy_siiw_r = partial(serialize, lazy)
+def _valuation(guide: Guide, values: Values) -> str:
+    return ", ".join(
+        (feature.name if value else f"!{feature.name}")
+        if feature.kind is Kind.BOOL
+        else f"{feature.name} {'> 0' if value else '= 0'}"
+        for feature, value in zip(guide.model.features, values, strict=True)
+    )
+
+
+def _loop(outcome: Outcome, before: int) -> str:
+    rules = list(dict.fromkeys(subgoal.rule for subgoal in outcome.subgoals[before:]))
+    where = f"after subgoal {before}" if before else "at the start"
+    return f"the state {where} came again: {' and '.join(rules)} run in a circle"
+
+
+class Planner(Protocol):
+    """A way to solve problems, subgoal by subgoal."""
+
+    def __call__(
+        self,
+        sketch: CompiledSketch,
+        problem: SearchProblem,
+        limits: Limits,
+        rng: np.random.Generator,
+        progress: Progress | None = None,
+    ) -> Outcome: ...
+
+
+siw_r: Planner = partial(serialize, eager)
+lazy_siiw_r: Planner = partial(serialize, lazy)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from domains.library import find_scene
 from domains.tabletop.scene.load import load_scene
 from runtime.plan.format import FORMAT as PLAN_FORMAT
 from runtime.plan.format import read_plan
@@ -14,6 +13,7 @@ from runtime.trace.model import Trace
 from runtime.trace.node import read_json
 from runtime.trace.read import trace_of
 from runtime.trace.sketch import load_trace_sketch
+from sketchlang.library import find_scene
 
 
 def load_trace(

@@ -9,7 +9,6 @@ import numpy as np
 
 from domains.tabletop.scene.model import Scene
 from runtime.angles import wrap
-from runtime.errors import InputError
 from runtime.motion.motion import ArmMove, BaseMove, GripperMove
 from runtime.plan.format import Plan, PlanAction, TimedPiece
 from runtime.robot.model import Floats, RobotModel
@@ -25,6 +24,7 @@ from runtime.trace.model import (
     TraceSubgoal,
 )
 from runtime.trace.track import TrackBuilder
+from sketchlang.errors import InputError
 
 JOIN = 1e-3
 """Radians or metres by which a piece may start away from where the one before it ended."""

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from runtime.errors import InputError
 from runtime.plan.format import LARGEST
 from runtime.robot.model import Floats
+from sketchlang.errors import InputError
 
 
 def read_json(path: Path) -> Node:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from runtime.errors import InputError
 from runtime.trace.model import RuleText, TraceSketch
+from sketchlang.errors import InputError
 from sketchlang.loader import Loaded, LoadError, load_sketch
 from sketchlang.syntax import tree
 

@@ -49,7 +49,7 @@ def command(
 
     from runtime.bench import runner, tables
     from runtime.bench.suites import jobs_of
-    from runtime.errors import InputError
+    from sketchlang.errors import InputError
 
     path = out or Path(f"bench-{suite}.jsonl")
     try:

@@ -20,8 +20,8 @@ from sketchlang.source import Source, Span
 from sketchlang.syntax import tree
 
 if TYPE_CHECKING:
-    from runtime.errors import InputError
     from runtime.trace.model import Trace
+    from sketchlang.errors import InputError
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -143,8 +143,8 @@ def keep_apart(inputs: Iterable[str | Path | None], outputs: Mapping[str, Path |
 
 def write_file(path: str, text: str) -> None:
     """Writes a file as a whole or not at all; ends the command if it cannot be written."""
-    from runtime.errors import InputError
     from runtime.files import write_text
+    from sketchlang.errors import InputError
 
     try:
         write_text(Path(path), text)
@@ -165,8 +165,8 @@ def load_named(file: Path, scene: str | None, robot: str | None, sketch: str | N
     Raises:
         InputError: what is wrong with the file or an option, and what to do about it.
     """
-    from runtime.errors import InputError
     from runtime.trace.load import load_trace
+    from sketchlang.errors import InputError
 
     given = {"--scene": scene, "--robot": robot, "--sketch": sketch}
     _refuse_for_traces(file, [option for option, value in given.items() if value is not None])
@@ -184,9 +184,9 @@ def load_named(file: Path, scene: str | None, robot: str | None, sketch: str | N
 
 
 def _refuse_for_traces(file: Path, options: list[str]) -> None:
-    from runtime.errors import InputError
     from runtime.trace.node import read_json
     from runtime.trace.write import FORMAT
+    from sketchlang.errors import InputError
 
     if not options:
         return

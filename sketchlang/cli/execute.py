@@ -77,7 +77,7 @@ def command(
     Exit 0: goal reached, and every object within 1 cm of its planned pose, where there is a
     plan. 1: not. 2: bad input.
     """
-    from runtime.errors import InputError
+    from sketchlang.errors import InputError
 
     if closed_loop:
         if scene_argument is None:
@@ -160,8 +160,8 @@ def _closed(
     as_json: bool,
 ) -> NoReturn:
     """Execute a sketch closed loop, print the verdict, and end."""
-    from runtime.errors import InputError
     from sketchlang.compile import EvaluationError, compile_sketch, obstacles
+    from sketchlang.errors import InputError
 
     loaded = load_valid(sketch)
     for obstacle in obstacles(loaded.checked):
@@ -169,12 +169,12 @@ def _closed(
     if loaded.checked.domain is None or loaded.checked.domain.name != "tabletop":
         fail("only sketches of the domain tabletop can be executed")
     try:
-        from domains.library import find_scene
         from domains.tabletop.loop.closed_loop import ClosedLoop
         from domains.tabletop.scene.load import load_scene
         from runtime.robot.load import DEFAULT_ROBOT, load_robot
         from runtime.trace.sketch import trace_sketch
         from runtime.trace.write import write_trace
+        from sketchlang.library import find_scene
 
         path, name = find_scene(scene)
         loop = ClosedLoop(

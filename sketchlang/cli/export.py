@@ -59,7 +59,7 @@ def command(
 
     Exit 0: written. 2: bad input.
     """
-    from runtime.errors import InputError
+    from sketchlang.errors import InputError
 
     if trajectory is None and bag is None and glb is None:
         fail("nothing to write: give --trajectory, --bag or --glb")

@@ -65,7 +65,7 @@ def command(
 
     Exit 0: written. 2: bad input.
     """
-    from runtime.errors import InputError
+    from sketchlang.errors import InputError
 
     if html is None and png is None and mp4 is None and trace is None:
         fail("nothing to write: give --html, --png, --mp4 or --trace")

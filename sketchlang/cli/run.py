@@ -3,15 +3,23 @@
 from __future__ import annotations
 
 import json
-import math
 import sys
-import time
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from sketchlang.cli.common import domain_option, fail, interruptible, load_valid
+from sketchlang.cli.common import (
+    check_outputs,
+    domain_option,
+    fail,
+    interruptible,
+    load_valid,
+    not_nan,
+)
+
+if TYPE_CHECKING:
+    from sketchlang.loader import Loaded
 
 
 @click.command(
@@ -36,6 +44,7 @@ Examples:
     "--timeout",
     type=click.FloatRange(min=0, min_open=True),
     default=300.0,
+    callback=not_nan,
     show_default=True,
     metavar="S",
     help="Seconds of planning.",
@@ -68,13 +77,12 @@ def command(
 
     Exit 0: solved. 1: no plan found. 2: bad input.
     """
-    from runtime.errors import InputError
     from sketchlang.compile import EvaluationError
     from sketchlang.domain import SceneError
+    from sketchlang.errors import InputError
 
-    if math.isnan(timeout):
-        fail("--timeout: not a number of seconds")
     loaded = load_valid(sketch, domain_file)
+    check_outputs((sketch, scene, robot, domain_file), {"--out": out})
     try:
         report = _run(loaded, scene, planner, seed, timeout, k_max, robot, out, as_json)
     except (InputError, SceneError) as error:
@@ -87,7 +95,7 @@ def command(
 
 
 def _run(
-    loaded: Any,
+    loaded: Loaded,
     scene: str,
     planner: str | None,
     seed: int,
@@ -97,92 +105,33 @@ def _run(
     out: Path | None,
     as_json: bool,
 ) -> dict[str, Any]:
-    from sketchlang.compile import compile_sketch, obstacles
-
-    checked = loaded.checked
-    for obstacle in obstacles(checked):
-        fail(f"{obstacle.message}\n  hint: {obstacle.hint}" if obstacle.hint else obstacle.message)
-    if checked.domain.load is None:
-        fail(f"the domain {checked.domain.name} has no scenes")
-
-    import numpy as np
-
-    from domains.library import find_scene
-    from runtime.collector import spared
-    from runtime.errors import InputError
     from runtime.report import make_report, summary
     from runtime.search.limits import Limits
-    from runtime.search.planners import DEFAULT, PLANNERS
-    from runtime.search.problem import searchable
+    from runtime.search.planners import DEFAULT
+    from runtime.solve import open_task
 
-    if out is not None and not out.parent.is_dir():
-        raise InputError(f"there is no folder {str(out.parent)!r}", place=str(out))
-    compiled = compile_sketch(checked)
-    path, name = find_scene(scene)
-    options = Options(seed=seed, name=name, robot=robot)
-    problem = searchable(_load(checked.domain, path, options))
-    if robot is not None and "robot" not in options.asked:
-        fail(f"--robot: the domain {checked.domain.name} has no robots")
+    task = open_task(loaded.checked, scene, seed, robot)
     planner = planner or DEFAULT
     say = Speaker(quiet=as_json)
-    say(f"{compiled.model.name} on {name}, planner {planner}, seed {seed}")
-    problem.warm_up()
-    limits = Limits(timeout=timeout, k_max=k_max)
-    started = time.perf_counter()
-    with spared():
-        outcome = PLANNERS[planner](
-            compiled,
-            problem,
-            limits,
-            np.random.default_rng(seed),
-            progress=lambda subgoal, seconds: say(
-                f"{seconds:8.2f} s  {subgoal.rule:<14} {problem.describe(subgoal)}"
-            ),
-        )
-    seconds = time.perf_counter() - started
-    report = make_report(compiled.model, problem, name, planner, seed, outcome, seconds)
-    if out is not None and outcome.solved:
-        problem.write_plan(compiled.model, outcome, planner, seed, out)
+    say(f"{task.sketch.model.name} on {task.scene}, planner {planner}, seed {seed}")
+    result = task.solve(
+        Limits(timeout=timeout, k_max=k_max),
+        planner,
+        progress=lambda subgoal, seconds: say(
+            f"{seconds:8.2f} s  {subgoal.rule:<14} {task.reporting.describe(subgoal.actions)}"
+        ),
+    )
+    report = make_report(result)
+    if out is not None and result.solved:
+        result.plan.save(out)
     if not as_json:
-        for line in summary(compiled.model, report, outcome):
+        for line in summary(report):
             click.echo(line)
-        if out is not None and outcome.solved:
+        if out is not None and result.solved:
             click.echo(f"plan written to {out}")
         elif out is not None and out.exists():
             click.echo(f"{out} was there before and is left as it was")
     return report
-
-
-class Options(dict[str, object]):
-    """Options for a domain's loader; remembers which ones it asked for."""
-
-    def __init__(self, **options: object) -> None:
-        super().__init__(options)
-        self.asked: set[str] = set()
-
-    def __getitem__(self, key: str) -> object:
-        self.asked.add(key)
-        return super().__getitem__(key)
-
-    def get(self, key: str, default: object = None) -> object:
-        self.asked.add(key)
-        return super().get(key, default)
-
-
-def _load(domain: Any, path: Path, options: Options) -> Any:
-    """The problem of a scene; what goes wrong in a domain's own code is said, not raised."""
-    from runtime.errors import InputError
-    from sketchlang.domain import SceneError
-
-    try:
-        return domain.load(str(path), options)
-    except (InputError, SceneError):
-        raise
-    except Exception as error:
-        raise InputError(
-            f"the scene loader of domain {domain.name} fails: {type(error).__name__}: {error}",
-            place=str(path),
-        ) from error
 
 
 class Speaker:

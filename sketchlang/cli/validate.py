@@ -31,14 +31,14 @@ def command(plan: Path, scene: str | None, robot: str | None, as_json: bool) -> 
 
     Exit 0: valid. 1: not valid. 2: the file cannot be read.
     """
-    from runtime.errors import InputError
+    from sketchlang.errors import InputError
 
     try:
-        from domains.library import find_scene
         from domains.tabletop.scene.load import load_scene
         from runtime.judge.certify import certify
         from runtime.plan.format import read_plan
         from runtime.robot.load import load_robot
+        from sketchlang.library import find_scene
 
         document = read_plan(plan)
         path, name = find_scene(scene or document.scene)

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable
+from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 from sketchlang.check.checker import CheckedSketch
+from sketchlang.check.typed import Node
 from sketchlang.compile.closures import Compiler, Layout
 from sketchlang.compile.errors import BrokenPromiseError, EvaluationError
 from sketchlang.compile.invariants import truth
 from sketchlang.compile.seam import Frame, Run
 from sketchlang.diagnostics import Diagnostic, Label
+from sketchlang.domain import Function
 from sketchlang.model import Kind, SketchModel
 from sketchlang.source import Span
 
@@ -28,12 +31,39 @@ class CompiledSketch:
 
     `evaluate(state)` returns one value a feature, Booleans as 0 and 1, and raises
     `EvaluationError` where a domain function or an invariant breaks its promise.
-    `atoms` are the functions that list the novelty atoms of a state.
+    `atoms` are the functions that list the novelty atoms of a state. `functions[i]` are the
+    domain functions that feature i depends on.
     """
 
     model: SketchModel
     evaluate: Callable[[Any], tuple[int, ...]]
     atoms: tuple[Callable[[Any], Iterable[Hashable]], ...]
+    functions: tuple[tuple[Function, ...], ...] = ()
+
+    @cached_property
+    def ignores(self) -> frozenset[str]:
+        """The parts of a state that all functions of the features declare to ignore."""
+        used = [function.ignores for functions in self.functions for function in functions]
+        return frozenset.intersection(*used) if used else frozenset()
+
+    def confirm(self, state: Any, values: tuple[int, ...]) -> None:
+        """Compare values that were remembered for a state which differs in ignored parts only.
+
+        Raises:
+            EvaluationError: a function looks at what it declares to ignore.
+        """
+        for i, (now, then) in enumerate(zip(self.evaluate(state), values, strict=True)):
+            if now == then:
+                continue
+            named = ", ".join(f"{f.name} ({f.position})" for f in self.functions[i])
+            ignored = ", ".join(sorted(self.ignores))
+            raise EvaluationError(
+                f"its value is {now}, and {then} in a state that differs in {ignored} only, "
+                f"which its functions declare to ignore: {named}",
+                feature=self.model.features[i].name,
+                expression=self.model.features[i].name,
+                state=state,
+            )
 
 
 def obstacles(checked: CheckedSketch) -> list[Diagnostic]:
@@ -81,7 +111,29 @@ def compile_sketch(checked: CheckedSketch) -> CompiledSketch:
             steps.append((layout.feature(index), run))
         evaluators.append(_evaluator(checked, layout, steps))
     atoms = tuple(_guarded(domain.atoms[name], name) for name in checked.atoms)
-    return CompiledSketch(checked.model, _alternating(*evaluators), atoms)
+    used = _functions(definitions)
+    return CompiledSketch(checked.model, _alternating(*evaluators), atoms, used)
+
+
+def _functions(definitions: Sequence[Node]) -> tuple[tuple[Function, ...], ...]:
+    """The domain functions that each feature depends on, through other features as well."""
+    found: list[dict[str, Function]] = []
+    for definition in definitions:
+        functions: dict[str, Function] = {}
+        pending = [definition]
+        seen: set[Node] = set()
+        while pending:
+            node = pending.pop()
+            if node in seen:
+                continue
+            seen.add(node)
+            pending += node.parts
+            if isinstance(node.value, Function):
+                functions[node.value.name] = node.value
+            elif node.kind == "feature" and isinstance(node.value, int):
+                pending.append(definitions[node.value])
+        found.append(functions)
+    return tuple(tuple(functions.values()) for functions in found)
 
 
 def _guarded(

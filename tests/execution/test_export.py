@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 import trimesh
 
-from runtime.errors import InputError
 from runtime.export.bag import write_bag
 from runtime.export.messages import track_of, trajectories
 from runtime.export.model import glb
+from sketchlang.errors import InputError
 
 
 def test_a_controller_reads_the_same_motion(trace) -> None:

@@ -16,9 +16,7 @@ from click.testing import CliRunner, Result
 
 pytest.importorskip("pybullet")
 
-from domains.library import find_scene
 from domains.tabletop.scene.load import load_scene
-from runtime.errors import InputError
 from runtime.export import bag
 from runtime.export.model import boxes
 from runtime.physics import simulation as physics
@@ -31,6 +29,8 @@ from sketchlang.cli.execute import command as execute
 from sketchlang.cli.execute import largest_errors, summary
 from sketchlang.cli.export import command as export
 from sketchlang.cli.replay import command as replay
+from sketchlang.errors import InputError
+from sketchlang.library import find_scene
 
 LOOP = ["pick_and_place", "sorting/3t-02", "--closed-loop"]
 

@@ -10,7 +10,6 @@ import pytest
 
 pytest.importorskip("pybullet")
 
-from domains.library import find_scene
 from domains.tabletop.loop.closed_loop import ClosedLoop
 from domains.tabletop.loop.disturb import Disturber
 from domains.tabletop.loop.sensing import Senses
@@ -26,6 +25,7 @@ from runtime.trace.kinematics import Tree, links_at, matrix
 from runtime.trace.model import Grip, Trace, TraceAction
 from runtime.trace.sketch import load_trace_sketch
 from sketchlang.compile import compile_sketch
+from sketchlang.library import find_scene
 from sketchlang.loader import load_sketch
 
 LYING = (0.0, math.sin(math.pi / 4), 0.0, math.cos(math.pi / 4))

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from runtime.errors import InputError
 from runtime.judge.skeleton import Skeleton
 from runtime.motion.motion import ArmMove, BaseMove
 from runtime.plan.format import read_plan
@@ -22,6 +21,7 @@ from runtime.trace.read import read_trace, trace_of
 from runtime.trace.track import TrackBuilder
 from runtime.trace.write import to_json, write_trace
 from sketchlang.cli.replay import command as replay
+from sketchlang.errors import InputError
 
 
 def test_what_is_written_is_read_again(trace, tmp_path) -> None:

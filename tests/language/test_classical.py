@@ -18,7 +18,7 @@ from domains.blocks.problem import HAND, TABLE
 from domains.blocks.scene import of_towers
 from domains.delivery.scene import of_map
 from sketchlang.compile import CompiledSketch, compile_sketch
-from sketchlang.domain import SceneError
+from sketchlang.domain import LoadOptions, SceneError
 from sketchlang.loader import load_domain, load_sketch
 
 DOMAINS = Path(__file__).parents[2] / "domains"
@@ -35,7 +35,7 @@ def scene(name: str) -> Any:
     domain = load_domain(folder)
     assert domain is not None
     assert domain.load is not None
-    return domain.load(str(DOMAINS / folder / "scenes" / f"{stem}.toml"), {})
+    return domain.load(str(DOMAINS / folder / "scenes" / f"{stem}.toml"), LoadOptions())
 
 
 def subgoal(sketch: CompiledSketch, before: tuple[int, ...], state: Any) -> bool:
@@ -204,6 +204,6 @@ def test_files_that_are_no_scenes(tmp_path: Path, folder: str, text: str, messag
     assert domain is not None
     assert domain.load is not None
     with pytest.raises(SceneError) as caught:
-        domain.load(str(path), {})
+        domain.load(str(path), LoadOptions())
     assert message in str(caught.value)
     assert str(path) in str(caught.value)

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from runtime.errors import InputError
 from runtime.files import write_text
+from sketchlang.errors import InputError
 
 
 def test_a_file_is_replaced(tmp_path) -> None:

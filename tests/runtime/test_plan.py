@@ -16,7 +16,6 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import runtime
-from runtime.errors import InputError
 from runtime.motion.motion import ArmMove, BaseMove, GripperMove
 from runtime.plan.format import (
     Plan,
@@ -28,6 +27,7 @@ from runtime.plan.format import (
     write_plan,
 )
 from sketchlang.cli.validate import command as validate
+from sketchlang.errors import InputError
 from tests.runtime.plans import Json, actions, parse, pieces
 
 

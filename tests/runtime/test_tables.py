@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from runtime.errors import InputError
 from runtime.tables import Table
+from sketchlang.errors import InputError
 
 
 def test_values_come_by_type() -> None:

@@ -16,6 +16,7 @@ from domains.tabletop.world import Task
 from runtime.judge.geometry import ExactBoxes, Track
 from runtime.judge.skeleton import Skeleton
 from runtime.motion.motion import ArmMove, BaseMove, GripperMove
+from runtime.search.problem import Rejection
 from tests.runtime.reference import fcl_touch, upright_pose
 from tests.tabletop.tasks import AT, ON_RIGHT, problem, stick
 
@@ -205,7 +206,9 @@ def first_pick(the: PickPlaceProblem) -> tuple[State, Pick, PickPlaceSubproblem]
     for seed in range(10):
         subproblem = the.subproblem(the.initial, 0, np.random.default_rng(seed))
         for move, state in subproblem.actions(the.initial):
-            if not isinstance(move, MoveBase) or subproblem.execute(the.initial, move) is None:
+            if not isinstance(move, MoveBase) or isinstance(
+                subproblem.execute(the.initial, move), Rejection
+            ):
                 continue
             for action, _ in subproblem.actions(state):
                 if isinstance(action, Pick) and subproblem.execute(state, action) is not None:
@@ -247,7 +250,8 @@ def test_driving_to_where_one_cannot_stand_is_not_executable(crowded) -> None:
 
     subproblem = crowded.subproblem(crowded.initial, 0, np.random.default_rng(0))
     table = BasePose.of(0.8, 0.6, 0.0)
-    assert subproblem.execute(crowded.initial, MoveBase(table)) is None
+    refused = subproblem.execute(crowded.initial, MoveBase(table))
+    assert refused == Rejection("motion_plan")
     home = subproblem.execute(crowded.initial, MoveBase(BasePose.of(-0.6, 0.0, 1.0)))
     assert home is not None
     assert isinstance(home[0], BaseMove)
@@ -256,7 +260,7 @@ def test_driving_to_where_one_cannot_stand_is_not_executable(crowded) -> None:
 
 def test_every_step_of_x_is_counted(crowded) -> None:
     first_pick(crowded)
-    profile = crowded.profile_dict()
+    profile = crowded.reporting.profile()
     assert list(profile) == ["in_arm_workspace", "inverse_kinematics", "motion_plan"]
     for step in profile.values():
         assert 0 < step["successes"] <= step["calls"]
@@ -264,5 +268,5 @@ def test_every_step_of_x_is_counted(crowded) -> None:
 
 
 def test_warming_up_leaves_no_trace_in_the_profile(crowded) -> None:
-    crowded.warm_up()
-    assert all(step["calls"] == 0 for step in crowded.profile_dict().values())
+    crowded.reporting.warm_up()
+    assert all(step["calls"] == 0 for step in crowded.reporting.profile().values())

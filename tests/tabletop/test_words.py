@@ -7,10 +7,11 @@ from dataclasses import replace
 
 import pytest
 
-from domains.library import find_scene
 from domains.tabletop.problem import load_problem
 from domains.tabletop.state import Placement, State
 from domains.tabletop.world import Task
+from sketchlang.domain import LoadOptions
+from sketchlang.library import find_scene
 
 PITCH = 0.07
 DIRECTIONS = [(1, 0), (0, 1), (-1, 0), (0, -1)]
@@ -18,7 +19,7 @@ DIRECTIONS = [(1, 0), (0, 1), (-1, 0), (0, -1)]
 
 @pytest.fixture(scope="module", params=["words/tamp", "words/robot"])
 def task(request) -> Task:
-    return load_problem(str(find_scene(request.param)[0]), {"name": request.param}).task
+    return load_problem(str(find_scene(request.param)[0]), LoadOptions(request.param)).task
 
 
 def index_of(task: Task, letter: str, number: int = 0) -> int:

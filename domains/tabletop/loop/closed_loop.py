@@ -89,13 +89,13 @@ class ClosedLoop:
         """Take a scene for what is there."""
         self.scene = scene
         self.problem = PickPlaceProblem(Task(scene, self.robot), self.seed)
-        self.guide = Guide(self.compiled, self.problem)
+        self.guide = Guide(self.compiled)
 
     def run(self) -> tuple[Verdict, Trace | None]:
         """Execute until the goal, or until nothing more can be done; the verdict, and the
         trace of what happened (None where nothing did)."""
         try:
-            self.problem.warm_up()
+            self.problem.reporting.warm_up()
             self.follower.wait(SETTLE)
             like, reason = self._rounds()
             self.follower.wait(SETTLE)

@@ -25,7 +25,7 @@ def next_subgoal(
     or none was found within the limits."""
     guide.forget()
     try:
-        return find_subgoal(lazy, guide, problem, state, limits, rng, Effort())
+        return find_subgoal(lazy, guide, problem, state, limits, rng, Effort(), [])
     except OutOfTimeError:
         return None
 

@@ -21,10 +21,10 @@ from domains.tabletop.scene.model import (
     UprightBox,
     WordGoal,
 )
-from runtime.errors import InputError
 from runtime.kernels.boxes import pose_vs_upright
 from runtime.tables import Table, read_toml
 from runtime.world.poses import rotation_from_rpy
+from sketchlang.errors import InputError
 
 DEFAULT_TOLERANCE = 0.005
 """Metres; the published tolerance of point goals."""

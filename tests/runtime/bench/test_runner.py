@@ -13,8 +13,8 @@ from runtime.bench import runner, tables
 from runtime.bench.plot import scaling_plot
 from runtime.bench.runner import Job
 from runtime.bench.suites import jobs_of
-from runtime.errors import InputError
 from sketchlang.cli import cli
+from sketchlang.errors import InputError
 
 
 def line(job: Job, seconds: float = 1.0) -> str:

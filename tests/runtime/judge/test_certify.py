@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from domains.library import find_scene
 from domains.tabletop.scene.load import load_scene
 from domains.tabletop.scene.model import Obstacle, Scene, UprightBox
 from runtime.judge.certify import Certificate, certify
@@ -23,6 +22,7 @@ from runtime.plan.format import read_plan
 from runtime.robot.load import load_robot
 from runtime.robot.model import RobotModel
 from sketchlang.cli.run import command as run
+from sketchlang.library import find_scene
 from tests.runtime.plans import Json, actions, changed, parse, pieces
 from tests.runtime.reference import along, arm_touches
 from tests.tabletop.scene.texts import SCENE, write_scene

@@ -10,9 +10,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from runtime.errors import InputError
 from runtime.robot.load import BUILT_IN, built_in_robots, load_robot
 from runtime.robot.model import RobotModel
+from sketchlang.errors import InputError
 from tests.runtime.robot.robots import TOML, URDF, write_robot
 
 

@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from domains.library import built_in_scenes, find_scene
-from runtime.errors import InputError
+from runtime.search.classical import ClassicalProblem
 from runtime.search.guide import GOAL
 from runtime.search.limits import Limits
 from runtime.search.planners import DEFAULT, PLANNERS
-from runtime.search.problem import searchable
 from runtime.search.siw_r import Outcome
+from runtime.solve import open_task
 from sketchlang.compile import CompiledSketch, compile_sketch
+from sketchlang.domain import LoadOptions
+from sketchlang.errors import InputError
+from sketchlang.library import built_in_scenes, find_scene
 from sketchlang.loader import load_sketch
 
 SCENES = [name for name in built_in_scenes() if name.startswith("delivery/")]
@@ -27,12 +30,12 @@ def load(sketch: str, scene: str) -> tuple[CompiledSketch, Any]:
     path, name = find_scene(scene)
     assert checked.domain is not None
     assert checked.domain.load is not None
-    return compile_sketch(checked), checked.domain.load(str(path), {"name": name, "seed": 0})
+    return compile_sketch(checked), checked.domain.load(str(path), LoadOptions(name))
 
 
 def solve(planner: str, sketch: CompiledSketch, problem: Any, limits: Limits) -> Outcome:
     rng = np.random.default_rng(0)
-    return PLANNERS[planner](sketch, searchable(problem), limits, rng)
+    return PLANNERS[planner](sketch, ClassicalProblem(problem), limits, rng)
 
 
 @PLANNERS_ONE_BY_ONE
@@ -108,11 +111,14 @@ def test_successors_that_break_their_promise_are_named(answer) -> None:
                 raise answer
             return answer
 
-    subproblem = searchable(Broken()).subproblem(0, 0, np.random.default_rng(0))
+    subproblem = ClassicalProblem(Broken()).subproblem(0, 0, np.random.default_rng(0))
     with pytest.raises(InputError, match="successors"):
         subproblem.actions(0)
 
 
 def test_a_loader_that_returns_nothing_is_named() -> None:
+    checked = load_sketch("delivery_policy").checked
+    assert checked.domain is not None
+    domain = replace(checked.domain, load=lambda path, options: None)
     with pytest.raises(InputError, match="NoneType"):
-        searchable(None)
+        open_task(replace(checked, domain=domain), SCENES[0])

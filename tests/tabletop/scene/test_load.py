@@ -11,11 +11,11 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from domains.library import built_in_scenes, find_scene
 from domains.tabletop.scene.load import load_scene
 from domains.tabletop.scene.model import PoseGoal, RegionGoal, Scene, WordGoal
-from runtime.errors import InputError
 from runtime.kernels.boxes import pose_vs_upright
+from sketchlang.errors import InputError
+from sketchlang.library import built_in_scenes, find_scene
 from tests.tabletop.scene.texts import SCENE, WORD, example_of_the_documentation, write_scene
 
 TABLETOP = [

@@ -5,18 +5,14 @@ from __future__ import annotations
 import difflib
 from pathlib import Path
 
-from runtime.errors import InputError
+from sketchlang.errors import InputError
 
-
-def _root() -> Path:
-    import domains
-
-    return Path(domains.__path__[0])
+_ROOT = Path(__file__).resolve().parent.parent / "domains"
 
 
 def built_in_scenes() -> list[str]:
     """Names of all scenes that come with the package."""
-    return sorted(f"{path.parent.parent.name}/{path.stem}" for path in _root().glob("*/scenes/*"))
+    return sorted(f"{path.parent.parent.name}/{path.stem}" for path in _ROOT.glob("*/scenes/*"))
 
 
 def find_scene(name: str) -> tuple[Path, str]:
@@ -31,7 +27,7 @@ def find_scene(name: str) -> tuple[Path, str]:
     folder, _, stem = name.partition("/")
     known = built_in_scenes()
     if name in known:
-        return next((_root() / folder / "scenes").glob(f"{stem}.*")), name
+        return next((_ROOT / folder / "scenes").glob(f"{stem}.*")), name
     close = difflib.get_close_matches(name, known, 1)
     hint = f"did you mean {close[0]!r}?" if close else f"built in: {', '.join(known)}"
     raise InputError(f"there is no scene {name!r}, neither a file nor built in", hint=hint)

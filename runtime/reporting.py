@@ -1,0 +1,158 @@
+"""What is reported, written and judged about a problem; the search knows nothing of it."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol
+
+from runtime.files import write_text
+from runtime.search.classical import ClassicalProblem
+from runtime.search.siw_r import Outcome
+from sketchlang.model import SketchModel
+
+Profile = dict[str, dict[str, float]]
+
+
+class Verdict(Protocol):
+    """What a judge found."""
+
+    @property
+    def valid(self) -> bool: ...
+
+    @property
+    def findings(self) -> Sequence[Any]: ...
+
+
+class Document(Protocol):
+    """The plan of an outcome: it can be written and judged."""
+
+    def save(self, path: Path) -> None:
+        """Write the plan file."""
+        ...
+
+    def validate(self) -> Verdict:
+        """Judge the plan independently of the planner."""
+        ...
+
+    @property
+    def execution_time(self) -> float:
+        """Seconds that its motions take."""
+        ...
+
+
+class Reporting(Protocol):
+    """A problem as people and files see it."""
+
+    @property
+    def robot(self) -> str | None:
+        """The robot's name, or None where there is none."""
+        ...
+
+    def warm_up(self) -> None:
+        """Do what must not count as planning time: compile kernels, load libraries."""
+        ...
+
+    def describe(self, actions: Sequence[Any]) -> str:
+        """Actions in a few words."""
+        ...
+
+    def profile(self) -> Profile:
+        """Calls, successes and time of each step of X; empty where there are none."""
+        ...
+
+    def document(self, model: SketchModel, outcome: Outcome, planner: str, seed: int) -> Document:
+        """The plan of an outcome, as far as it came."""
+        ...
+
+    def why(self, outcome: Outcome) -> list[dict[str, Any]]:
+        """Findings about an unsolved outcome: what is in the way of what."""
+        ...
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing that is wrong with a plan: at which action (from 0), or None for all of it."""
+
+    action: int | None
+    message: str
+
+
+@dataclass(frozen=True)
+class ClassicalVerdict:
+    """What a replay of a classical plan found wrong."""
+
+    findings: tuple[Finding, ...]
+
+    @property
+    def valid(self) -> bool:
+        """Whether nothing was found."""
+        return not self.findings
+
+
+@dataclass(frozen=True)
+class ClassicalDocument:
+    """The actions of a classical plan, by rule."""
+
+    problem: Any
+    sketch: str
+    planner: str
+    seed: int
+    outcome: Outcome
+    execution_time: float = 0.0
+
+    def save(self, path: Path) -> None:
+        """Write the plan as JSON."""
+        actions = [str(a) for subgoal in self.outcome.subgoals for a in subgoal.actions]
+        subgoals = [{"rule": s.rule, "actions": len(s.actions)} for s in self.outcome.subgoals]
+        data = {
+            "format": "sketchlang-actions",
+            "version": 1,
+            "sketch": self.sketch,
+            "planner": self.planner,
+            "seed": self.seed,
+            "subgoals": subgoals,
+            "actions": actions,
+        }
+        write_text(path, json.dumps(data, indent=1) + "\n")
+
+    def validate(self) -> ClassicalVerdict:
+        """Replay the actions by the domain's own successors."""
+        state, number = self.problem.initial, 0
+        for subgoal in self.outcome.subgoals:
+            for action, after in zip(subgoal.actions, subgoal.states, strict=True):
+                if (action, after) not in list(self.problem.successors(state)):
+                    message = f"{action} is not applicable where it is taken"
+                    return ClassicalVerdict((Finding(number, message),))
+                state, number = after, number + 1
+        return ClassicalVerdict(())
+
+
+class ClassicalReporting:
+    """Reports of a problem without geometry."""
+
+    robot: str | None = None
+
+    def __init__(self, problem: ClassicalProblem) -> None:
+        self.problem = problem
+
+    def warm_up(self) -> None:
+        """Nothing to do."""
+
+    def describe(self, actions: Sequence[Any]) -> str:
+        """The actions as the domain prints them."""
+        return ", ".join(map(str, actions))
+
+    def profile(self) -> Profile:
+        """X has no steps."""
+        return {}
+
+    def document(self, model: SketchModel, outcome: Outcome, planner: str, seed: int) -> Document:
+        """The plan of an outcome."""
+        return ClassicalDocument(self.problem.problem, model.name, planner, seed, outcome)
+
+    def why(self, outcome: Outcome) -> list[dict[str, Any]]:
+        """Nothing is known of what is in the way."""
+        return []

@@ -1,0 +1,138 @@
+"""The one path from a sketch and a problem to an outcome.
+
+The command line, the benchmarks, the closed loop and Python users all come this way.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from runtime.collector import spared
+from runtime.reporting import ClassicalReporting, Document, Reporting
+from runtime.search.classical import ClassicalProblem
+from runtime.search.limits import Limits
+from runtime.search.planners import DEFAULT, PLANNERS
+from runtime.search.problem import SearchProblem
+from runtime.search.siw_r import Outcome, Progress
+from sketchlang.check.checker import CheckedSketch
+from sketchlang.compile import CompiledSketch, compile_sketch, obstacles
+from sketchlang.domain import LoadOptions, SceneError
+from sketchlang.errors import InputError
+from sketchlang.library import find_scene
+
+
+def solve(
+    sketch: CompiledSketch,
+    problem: SearchProblem,
+    limits: Limits,
+    rng: np.random.Generator,
+    planner: str = DEFAULT,
+    progress: Progress | None = None,
+) -> Outcome:
+    """Search for a plan, subgoal by subgoal. All randomness comes from `rng`.
+
+    Raises:
+        InputError: there is no such planner.
+        EvaluationError: a function of the domain, or an invariant, breaks its promise.
+    """
+    if planner not in PLANNERS:
+        known = ", ".join(PLANNERS)
+        raise InputError(f"there is no planner {planner!r}", hint=f"planners: {known}")
+    with spared():
+        return PLANNERS[planner](sketch, problem, limits, rng, progress)
+
+
+@dataclass(frozen=True, eq=False)
+class Task:
+    """A sketch and a scene, ready to be solved."""
+
+    sketch: CompiledSketch
+    problem: SearchProblem
+    reporting: Reporting
+    scene: str
+    seed: int
+
+    def solve(
+        self,
+        limits: Limits | None = None,
+        planner: str = DEFAULT,
+        progress: Progress | None = None,
+    ) -> Result:
+        """Solve the task: kernels are warm when the clock of the limits starts."""
+        self.reporting.warm_up()
+        limits = limits or Limits()
+        limits.restart()
+        rng = np.random.default_rng(self.seed)
+        outcome = solve(self.sketch, self.problem, limits, rng, planner, progress)
+        document = self.reporting.document(self.sketch.model, outcome, planner, self.seed)
+        return Result(self, planner, outcome, document)
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """What came of a task: the outcome of the search, and its plan as far as it came."""
+
+    task: Task
+    planner: str
+    outcome: Outcome
+    plan: Document
+
+    @property
+    def solved(self) -> bool:
+        """Whether the goal was reached."""
+        return self.outcome.solved
+
+
+def open_task(checked: CheckedSketch, scene: str, seed: int = 0, robot: str | None = None) -> Task:
+    """Compile a sketch and load a scene by name or path.
+
+    Raises:
+        InputError: the sketch cannot be run, or scene or robot are not as they should be.
+        SceneError: a domain's own word about its scene.
+    """
+    for obstacle in obstacles(checked):
+        raise InputError(obstacle.message, hint=obstacle.hint)
+    domain = checked.domain
+    assert domain is not None, "one of the obstacles"
+    if domain.load is None:
+        raise InputError(f"the domain {domain.name} has no scenes")
+    if robot is not None and not domain.has_robots:
+        raise InputError(f"--robot: the domain {domain.name} has no robots")
+    path, name = find_scene(scene)
+    options = LoadOptions(name, seed, robot, dict(domain.actions))
+    problem, reporting = _opened(domain.name, _loaded(domain, path, options))
+    return Task(compile_sketch(checked), problem, reporting, name, seed)
+
+
+def _loaded(domain: Any, path: Path, options: LoadOptions) -> Any:
+    """The problem of a scene; what goes wrong in a domain's own code is said, not raised."""
+    try:
+        return domain.load(str(path), options)
+    except (InputError, SceneError):
+        raise
+    except Exception as error:
+        raise InputError(
+            f"the scene loader of domain {domain.name} fails: {type(error).__name__}: {error}",
+            place=str(path),
+        ) from error
+
+
+def _opened(domain: str, problem: Any) -> tuple[SearchProblem, Reporting]:
+    """What a domain's scene loader made, as the search and reports see it.
+
+    Raises:
+        InputError: it is neither a problem that can be sampled nor one with successors.
+    """
+    if hasattr(problem, "subproblem"):
+        return problem, problem.reporting
+    if not (hasattr(problem, "initial") and hasattr(problem, "successors")):
+        raise InputError(
+            f"the scene loader of domain {domain} returned {type(problem).__name__}",
+            hint="it has to return a problem with `initial` and `successors(state)`",
+        )
+    classical = ClassicalProblem(problem)
+    return classical, ClassicalReporting(classical)

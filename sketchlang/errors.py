@@ -1,0 +1,17 @@
+"""The one exception for what a user got wrong outside a sketch: files, options, scenes."""
+
+from __future__ import annotations
+
+
+class InputError(Exception):
+    """Bad input. `place` says where (a file, a key), `hint` what to do about it."""
+
+    def __init__(self, message: str, *, place: str | None = None, hint: str | None = None) -> None:
+        super().__init__(message)
+        self.message = message
+        self.place = place
+        self.hint = hint
+
+    def __str__(self) -> str:
+        text = f"{self.place}: {self.message}" if self.place else self.message
+        return f"{text}\n  hint: {self.hint}" if self.hint else text
