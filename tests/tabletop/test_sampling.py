@@ -211,7 +211,9 @@ def first_pick(the: PickPlaceProblem) -> tuple[State, Pick, PickPlaceSubproblem]
             ):
                 continue
             for action, _ in subproblem.actions(state):
-                if isinstance(action, Pick) and subproblem.execute(state, action) is not None:
+                if not isinstance(action, Pick):
+                    continue
+                if not isinstance(subproblem.execute(state, action), Rejection):
                     return state, action, subproblem
     raise AssertionError("no pick is executable")
 
