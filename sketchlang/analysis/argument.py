@@ -5,15 +5,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from sketchlang.analysis.bits import rule_bits
-from sketchlang.analysis.proof import Drop, Node, Split, Step, Tree
+from sketchlang.analysis.proof import Drop, Node, Potential, Split, Step, Term, Tree
 from sketchlang.analysis.words import cube, listed, literal, rule_names
-from sketchlang.model import SketchModel
+from sketchlang.model import Kind, SketchModel
 
 MOST_BLOCKS = 8
 """Blocks of one split that are written out."""
 
 MOST_NAMED = 5
 """Rules that are named one by one where a number would do."""
+
+MOST_TERMS = 12
+"""Terms of a weighted sum that are written out; the certificate has them all."""
 
 MOST_CUBES = 4
 """Groups of valuations by which one block is described."""
@@ -49,6 +52,10 @@ class _Writer:
                 gone = set(step.rules)
                 others = [rule for rule in left if rule not in gone]
                 lines.append(mark + self.drop(step, others))
+            elif isinstance(step, Potential):
+                gone = set(step.rules)
+                others = [rule for rule in left if rule not in gone]
+                lines.append(mark + self.potential(step, others))
             else:
                 gone = set(step.drops)
                 first, *rest = self.split(step, left, inner)
@@ -74,6 +81,19 @@ class _Writer:
             f"{subject} {verb} only finitely often: "
             f"{does} {change} {feature}, and {against}{bound}."
         )
+
+    def potential(self, step: Potential, others: Sequence[int]) -> str:
+        names = rule_names(self.model, step.rules)
+        weighed = weighted_sum(self.model, step.terms)
+        if not others:
+            every = "every rule" if len(names) > 1 else names[0]
+            return f"{weighed} falls with {every}, and it cannot fall for ever."
+        if len(others) <= MOST_NAMED:
+            left = listed(rule_names(self.model, others), "or")
+            falls = f"every rule but {left}" if len(others) < len(names) else listed(names)
+            return f"{weighed} falls with {falls}, and does not rise with {left}."
+        falls = listed(names) if len(names) <= MOST_NAMED else f"{len(names)} rules"
+        return f"{weighed} falls with {falls}, and none of the {len(others)} others raises it."
 
     def split(self, step: Split, rules: Sequence[int], indent: str) -> list[str]:
         plain = self._plain_flip(step)
@@ -133,6 +153,21 @@ class _Writer:
         shown = [cube(self.model, known, bits) for known, bits in cubes[:MOST_CUBES]]
         more = len(cubes) - len(shown)
         return " or ".join(shown) + (f" or {more} more" if more else "")
+
+
+def weighted_sum(model: SketchModel, terms: Sequence[Term]) -> str:
+    """`2 m + H - 3 (n > 0)`, long sums shortened. A Boolean counts as 1 where it is true."""
+    text = ""
+    for term in terms[:MOST_TERMS]:
+        declared = model.features[term.feature]
+        name = declared.name
+        if term.of_truth and declared.kind is Kind.NAT:
+            name = f"({name} > 0)"
+        factor = "" if abs(term.weight) == 1 else f"{abs(term.weight)} "
+        sign = ("- " if term.weight < 0 else "+ ") if text else ("-" if term.weight < 0 else "")
+        text += f"{' ' if text else ''}{sign}{factor}{name}"
+    more = len(terms) - MOST_TERMS
+    return f"{text} + ({more} more terms)" if more > 0 else text
 
 
 def _subject(names: Sequence[str]) -> tuple[str, str, str]:

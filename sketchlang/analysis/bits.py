@@ -56,6 +56,24 @@ class RuleBits:
     may_rise: int
     dead: bool
 
+    @property
+    def touched(self) -> int:
+        """The features that the rule may change."""
+        return self.sets | self.clears | self.free | self.sinks | self.climbs
+
+    def moves(self) -> tuple[int, int, int, int]:
+        """The features whose bit may go 0 -> 0, 0 -> 1, 1 -> 0 and 1 -> 1, as masks.
+
+        Features that the rule does not name stay as they are: the masks have no end.
+        """
+        from_0, from_1 = ~(self.needs & self.wants), ~(self.needs & ~self.wants)
+        return (
+            from_0 & ~self.sets,
+            from_0 & (self.sets | self.free | self.climbs),
+            from_1 & (self.clears | self.free | self.sinks),
+            from_1 & ~self.clears,
+        )
+
     def fan(self, valuation: int) -> tuple[int, int]:
         """`(base, free)`: the successors of a valuation are `base | s`, s a subset of `free`."""
         free = self.free | (self.sinks & valuation) | (self.climbs & ~valuation)

@@ -7,22 +7,23 @@ from collections.abc import Iterable
 from typing import Any
 
 from sketchlang.analysis.fingerprint import digest, fingerprint
-from sketchlang.analysis.proof import Drop, Node, Step, Tree
+from sketchlang.analysis.proof import Drop, Node, Potential, Split, Step, Term, Tree
 from sketchlang.analysis.termination import Terminating
-from sketchlang.model import SketchModel
+from sketchlang.model import Kind, SketchModel
 
 FORMAT = "sketchlang-termination-certificate"
-VERSION = 1
+PLAIN, WITH_POTENTIALS = 1, 2
+"""Versions of the format. A proof is written in the first one that has all of its steps."""
 
 
 def certificate_of(model: SketchModel, verdict: Terminating) -> dict[str, Any]:
     """The certificate as a JSON value."""
     content = {
         "format": FORMAT,
-        "version": VERSION,
+        "version": WITH_POTENTIALS if _has_potential(verdict.steps) else PLAIN,
         "sketch": model.name,
         "fingerprint": fingerprint(model),
-        "method": "sieve" if verdict.by_sieve else "rule-elimination",
+        "method": verdict.method,
         "proof": _steps(model, verdict.steps),
     }
     return content | {"digest": digest(content)}
@@ -58,6 +59,11 @@ def _step(model: SketchModel, step: Step) -> dict[str, Any]:
     if isinstance(step, Drop):
         change = "raises" if step.upwards else "lowers"
         return {change: model.features[step.feature].name, "rules": names(step.rules)}
+    if isinstance(step, Potential):
+        return {
+            "potential": {term_key(model, term): term.weight for term in step.terms},
+            "rules": names(step.rules),
+        }
     return {
         "split": _tree(model, step.tree),
         "blocks": [
@@ -66,6 +72,20 @@ def _step(model: SketchModel, step: Step) -> dict[str, Any]:
         ],
         "rules": names(step.drops),
     }
+
+
+def _has_potential(steps: Iterable[Step]) -> bool:
+    return any(
+        isinstance(step, Potential)
+        or (isinstance(step, Split) and any(_has_potential(block.steps) for block in step.blocks))
+        for step in steps
+    )
+
+
+def term_key(model: SketchModel, term: Term) -> str:
+    """The feature's name, with `> 0` where the truth of a nat is meant."""
+    declared = model.features[term.feature]
+    return f"{declared.name} > 0" if term.of_truth and declared.kind is Kind.NAT else declared.name
 
 
 def _tree(model: SketchModel, tree: Tree) -> Any:

@@ -46,6 +46,7 @@ class PieceGraph:
         for rule in rules:
             budget.check()
             self._add(rule, tracked)
+        budget.spend(len(self.cells) + len(self.arcs))
 
     def _add(self, rule: RuleBits, tracked: int) -> None:
         needs = rule.needs & tracked

@@ -65,52 +65,59 @@ def drop(rules: Collection[RuleBits], bounded: int) -> Drop | None:
     return None
 
 
-@dataclass(frozen=True, slots=True)
 class _Directions:
     """For every feature: who may set its bit, who may clear it, who may leave it 0 or 1."""
 
-    setters: dict[int, set[int]]
-    clearers: dict[int, set[int]]
-    stays: dict[int, dict[int, tuple[int, ...]]]  # feature -> rule -> bits it can keep
-
-    @classmethod
-    def of(cls, rules: Collection[RuleBits]) -> _Directions:
-        touched = 0
+    def __init__(self, rules: Collection[RuleBits]) -> None:
+        self._found: dict[tuple[int, int], frozenset[int]] = {}
+        self._moves = {rule.index: rule.moves() for rule in rules}
+        touched = may_set = may_clear = 0
         for rule in rules:
-            touched |= rule.needs | rule.sets | rule.clears | rule.free | rule.sinks | rule.climbs
-        setters: dict[int, set[int]] = {}
-        clearers: dict[int, set[int]] = {}
-        stays: dict[int, dict[int, tuple[int, ...]]] = {}
-        for feature in members(touched):
-            pairs = {rule.index: rule.pairs(feature) for rule in rules}
-            setters[feature] = {index for index, pair in pairs.items() if (0, 1) in pair}
-            clearers[feature] = {index for index, pair in pairs.items() if (1, 0) in pair}
-            stays[feature] = {
-                index: tuple(bit for bit in (0, 1) if (bit, bit) in pair)
-                for index, pair in pairs.items()
-            }
-        return cls(setters, clearers, stays)
-
-    def one_way(self) -> list[int]:
+            touched |= rule.needs | rule.touched
+        for _, sets, clears, _ in self._moves.values():
+            may_set |= sets
+            may_clear |= clears
+        self.features = list(members(touched))
+        self.one_way = list(members(touched & ~(may_set & may_clear)))
         """The marked features: no rule sets the bit, or none clears it."""
-        return [f for f in self.setters if not self.setters[f] or not self.clearers[f]]
+
+    def setters(self, feature: int) -> frozenset[int]:
+        return self._which(1, feature)
+
+    def clearers(self, feature: int) -> frozenset[int]:
+        return self._which(2, feature)
+
+    def _which(self, move: int, feature: int) -> frozenset[int]:
+        found = self._found.get((move, feature))
+        if found is None:
+            chosen = (i for i, moves in self._moves.items() if moves[move] >> feature & 1)
+            found = self._found[move, feature] = frozenset(chosen)
+        return found
+
+    def stays(self, feature: int, rule: int) -> tuple[int, ...]:
+        """The bits that a rule can keep."""
+        zero, _, _, one = self._moves[rule]
+        return (*((0,) if zero >> feature & 1 else ()), *((1,) if one >> feature & 1 else ()))
+
+    def changers(self, feature: int) -> tuple[int, ...]:
+        """The rules that are sure to change the bit."""
+        bit = 1 << feature
+        return tuple(i for i, moves in self._moves.items() if not (moves[0] | moves[3]) & bit)
 
 
 def _flip(rules: Collection[RuleBits]) -> Split | None:
     """R2: two blocks, before and after the feature has changed for good."""
-    directions = _Directions.of(rules)
-    for feature in directions.one_way():
-        stays = directions.stays[feature]
-        gone = tuple(index for index, bits in stays.items() if not bits)
-        if gone:
+    directions = _Directions(rules)
+    for feature in directions.one_way:
+        if directions.changers(feature):
             return _monotone_split([feature], directions, rules, {})
     return None
 
 
 def _with_marked(rules: Collection[RuleBits], bounded: int) -> Split | None:
     """R3: blocks for the truth values of some marked features, R1 and R2 within them."""
-    directions = _Directions.of(rules)
-    marked = directions.one_way()
+    directions = _Directions(rules)
+    marked = directions.one_way
     if not marked:
         return None
     by_index = {rule.index: rule for rule in rules}
@@ -126,27 +133,26 @@ def _with_marked(rules: Collection[RuleBits], bounded: int) -> Split | None:
 
 def _opponents(
     rule: RuleBits, rules: dict[int, RuleBits], directions: _Directions, bounded: int
-) -> Iterable[set[int]]:
+) -> Iterable[Collection[int]]:
     """For each change that the rule is sure to make, the rules that may undo it."""
     for feature in members(rule.falls):
         yield {i for i, other in rules.items() if other.may_rise >> feature & 1}
     for feature in members(rule.rises & bounded):
         yield {i for i, other in rules.items() if other.may_fall >> feature & 1}
-    for feature, stays in directions.stays.items():
-        if not stays[rule.index]:
-            sets = rule.index in directions.setters[feature]
-            yield (directions.clearers if sets else directions.setters)[feature]
+    for feature in directions.features:
+        if not directions.stays(feature, rule.index):
+            sets = rule.index in directions.setters(feature)
+            yield (directions.clearers if sets else directions.setters)(feature)
 
 
 def _excluding(
-    index: int, opponents: set[int], marked: list[int], directions: _Directions
+    index: int, opponents: Collection[int], marked: list[int], directions: _Directions
 ) -> list[int] | None:
     """Marked features that keep a rule and all its opponents apart, or None."""
     used: list[int] = []
     for opponent in sorted(opponents):
         for feature in sorted(marked, key=lambda f: f not in used):
-            stays = directions.stays[feature]
-            if not set(stays[index]) & set(stays[opponent]):
+            if not set(directions.stays(feature, index)) & set(directions.stays(feature, opponent)):
                 if feature not in used:
                     used.append(feature)
                 break
@@ -174,7 +180,7 @@ def _monotone_split(
             staying = [
                 rule
                 for rule in rules
-                if all(bit in directions.stays[f][rule.index] for f, bit in fixed.items())
+                if all(bit in directions.stays(f, rule.index) for f, bit in fixed.items())
             ]
             found = (
                 _inside(staying, inner["bounded"])
@@ -185,7 +191,7 @@ def _monotone_split(
             blocks.append(Block(tuple(rule.index for rule in staying), found.steps))
             return len(blocks) - 1
         feature = features[position]
-        first = 0 if not directions.clearers[feature] else 1
+        first = 0 if not directions.clearers(feature) else 1
         earlier = build(position + 1, fixed | {feature: first})
         later = build(position + 1, fixed | {feature: 1 - first})
         return Node(feature, *((earlier, later) if first == 0 else (later, earlier)))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 LOOK_S = 0.01
 """Memory is looked at this often: asking the system takes 30 us."""
@@ -37,18 +37,24 @@ def peak_memory_mb() -> float:
     return peak / (1 << 20) if sys.platform == "darwin" else peak / 1024
 
 
+class WorkDoneError(Exception):
+    """The steps that an attempt was given are used up: it is time to try something else."""
+
+
 @dataclass
 class Budget:
     """What an analysis may use. `check` is called from its loops and raises at a limit.
 
     `seconds` counts from the making of the budget, `megabytes` is the size of the whole
-    process; None is no limit.
+    process; None is no limit. `steps` are for one attempt of several, see `attempt`: they
+    do not depend on the machine, so the same sketch always gets the same proof.
     """
 
     seconds: float | None = None
     megabytes: float | None = None
     started: float = field(default_factory=time.perf_counter)
     base_mb: float = field(default_factory=peak_memory_mb)
+    steps: int | None = None
     _look_at: float = 0.0  # when to look at the memory again
 
     def check(self) -> None:
@@ -60,6 +66,23 @@ class Budget:
             self._look_at = now + LOOK_S
             if peak_memory_mb() > self.megabytes:
                 raise LimitReachedError("memory", f"memory limit of {self.megabytes:g} MB")
+
+    def attempt(self, steps: int) -> Budget:
+        """The same limits for an attempt that may take so many steps."""
+        return replace(self, steps=steps)
+
+    def spend(self, steps: int) -> None:
+        """Raises `WorkDoneError` when the steps of an attempt are used up."""
+        if self.steps is not None:
+            self.steps -= steps
+            if self.steps < 0:
+                raise WorkDoneError
+
+    def left(self) -> float | None:
+        """Seconds that are left, None without a limit."""
+        if self.seconds is None:
+            return None
+        return self.seconds - (time.perf_counter() - self.started)
 
     def reserve(self, megabytes: float) -> None:
         """Raises `LimitReachedError` if this much on top of the start would be too much."""

@@ -5,6 +5,7 @@ step takes away rules that no infinite run through the region can use for ever:
 
 - `Drop`: a nat that some rules lower and no rule raises. They fire finitely often, since
   a counter cannot become negative (or, for a bounded nat, the same upside down).
+- `Potential`: a weighted sum of features that some rules lower and no rule raises.
 - `Split`: the region is cut into blocks, numbered so that no rule leads from a block to an
   earlier one. An infinite run comes to stay in one of them; there it can only use rules
   with an edge inside the block, and the block has steps of its own.
@@ -16,6 +17,7 @@ as strong as Sieve; a sketch that rule elimination proves needs hardly any block
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,6 +45,25 @@ class Drop:
     upwards: bool = False
 
 
+class Term(NamedTuple):
+    """`weight` times a feature's value, or with `of_truth` times its truth value (0 or 1)."""
+
+    feature: int
+    of_truth: bool
+    weight: int
+
+
+@dataclass(frozen=True, slots=True)
+class Potential:
+    """`rules` fire finitely often: each lowers the sum of the terms, and no rule raises it.
+
+    Terms of numbers have positive weights, or negative ones where the nat is bounded.
+    """
+
+    terms: tuple[Term, ...]
+    rules: tuple[int, ...]
+
+
 @dataclass(frozen=True, slots=True)
 class Block:
     """One block of a split: the rules with an edge inside it, and how they go."""
@@ -60,4 +81,4 @@ class Split:
     drops: tuple[int, ...]
 
 
-Step = Drop | Split
+Step = Drop | Potential | Split

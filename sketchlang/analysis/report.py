@@ -14,6 +14,13 @@ from sketchlang.model import SketchModel
 
 WIDTH = 100
 
+METHODS = {
+    "rule-elimination": "rule elimination",
+    "potentials": "potentials",
+    "sieve": "Sieve",
+}
+"""How the methods of `Terminating` are called in a sentence."""
+
 
 def as_text(model: SketchModel, verdict: Verdict, position: Position) -> str:
     """The verdict and its evidence, lines broken for a terminal."""
@@ -21,8 +28,7 @@ def as_text(model: SketchModel, verdict: Verdict, position: Position) -> str:
         case Terminating():
             from sketchlang.analysis.argument import argument
 
-            method = "Sieve" if verdict.by_sieve else "rule elimination"
-            lines = [f"{model.name} terminates (proved by {method}).", ""]
+            lines = [f"{model.name} terminates (proved by {METHODS[verdict.method]}).", ""]
             lines += argument(model, verdict.steps)
         case NonTerminating():
             from sketchlang.analysis import refutation_report
@@ -51,7 +57,7 @@ def as_json(model: SketchModel, verdict: Verdict, position: Position) -> dict[st
             from sketchlang.analysis.certificate import certificate_of
 
             result["verdict"] = "terminating"
-            result["method"] = "sieve" if verdict.by_sieve else "rule-elimination"
+            result["method"] = verdict.method
             result["argument"] = argument(model, verdict.steps)
             result["certificate"] = certificate_of(model, verdict)
         case NonTerminating():

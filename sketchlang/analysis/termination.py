@@ -7,27 +7,41 @@ satisfy the invariants, and none but the last satisfies the goal.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from sketchlang.analysis.bits import bounded_mask, rule_bits
+from sketchlang.analysis.bits import RuleBits, bounded_mask, rule_bits
 from sketchlang.analysis.elimination import eliminate
-from sketchlang.analysis.limits import Budget, LimitReachedError
+from sketchlang.analysis.limits import Budget, LimitReachedError, WorkDoneError
 from sketchlang.analysis.proof import Step
 from sketchlang.model import SketchModel
 
 # Most sketches that people prove need no Sieve, and then should not wait for it.
 if TYPE_CHECKING:
     from sketchlang.analysis.numbers import Run
+    from sketchlang.analysis.sieve import SieveResult
     from sketchlang.analysis.walk import Move
+
+SMALL_WORK = 20_000
+"""Steps of Sieve before anything is imported that takes longer than they do: some 30 ms."""
+
+MOST_WORK = 1_000_000
+"""Steps of Sieve before all valuations are listed, if they can be."""
 
 
 @dataclass(frozen=True, slots=True)
 class Terminating:
-    """`steps` leave no rule. Without Sieve, rule elimination was enough."""
+    """`steps` leave no rule. `method` is the strongest that was needed: `rule-elimination`,
+    `potentials`, or `sieve`."""
 
     steps: tuple[Step, ...]
-    by_sieve: bool
+    method: str
+
+    @property
+    def by_sieve(self) -> bool:
+        """Whether valuations had to be looked at."""
+        return self.method == "sieve"
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,27 +68,84 @@ Verdict = Terminating | NonTerminating | Undecided
 
 
 def decide_termination(model: SketchModel, budget: Budget | None = None) -> Verdict:
-    """Proves or refutes that a sketch terminates, or stops at a limit of the budget."""
+    """Proves or refutes that a sketch terminates, or stops at a limit of the budget.
+
+    The cheapest first: rule elimination; a little Sieve, which proves what people write; short
+    cycles; potentials; and Sieve without restraint.
+    """
     rules = rule_bits(model)
     quick = eliminate([rule for rule in rules if not rule.dead], bounded_mask(model))
-    left = [rule for rule in rules if rule.index in quick.left]
-    if not left:
-        return Terminating(quick.steps, by_sieve=False)
-
-    from sketchlang.analysis.sieve import Sieve
-
+    if not quick.left:
+        return Terminating(quick.steps, "rule-elimination")
     try:
-        result = Sieve(model, rules, budget or Budget()).run(left)
+        return _Search(model, rules, budget or Budget()).run(quick.steps, quick.left)
     except LimitReachedError as reached:
         return Undecided(reached.kind, reached.limit)
     except MemoryError:
         return Undecided("memory", "memory of this machine")
-    if result.cycle:
+
+
+class _Search:
+    """The methods behind rule elimination, for one sketch."""
+
+    def __init__(self, model: SketchModel, rules: Sequence[RuleBits], budget: Budget) -> None:
+        self.model = model
+        self.rules = rules
+        self.bounded = bounded_mask(model)
+        self.budget = budget
+
+    def run(self, quick: tuple[Step, ...], kept: frozenset[int]) -> Verdict:
+        left = [rule for rule in self.rules if rule.index in kept]
+        try:
+            return self._verdict(quick, self._sieve(left, self.budget.attempt(SMALL_WORK)))
+        except WorkDoneError:
+            pass
+        from sketchlang.analysis.short_cycles import short_cycle
+
+        cycle = short_cycle(self.model, self.rules, left, self.budget)
+        if cycle:
+            return self._refuted(quick, cycle)
+        steps, left = self._potentials(quick, left)
+        if not left:
+            return Terminating(steps, "potentials")
+        return self._verdict(steps, self._sieve(left, self.budget))
+
+    def _potentials(
+        self, quick: tuple[Step, ...], left: list[RuleBits]
+    ) -> tuple[tuple[Step, ...], list[RuleBits]]:
+        """Steps by potentials and rule elimination in turn, and the rules that they leave.
+
+        They start from all rules again: a sum may say in one line what takes many steps.
+        """
+        from sketchlang.analysis.potential import potential
+
+        steps: list[Step] = []
+        rest = [rule for rule in self.rules if not rule.dead]
+        while rest:
+            found = potential(rest, self.bounded, self.budget)
+            if found is None:
+                break
+            steps.append(found)
+            rest = [rule for rule in rest if rule.index not in found.rules]
+            more = eliminate(rest, self.bounded)
+            steps += more.steps
+            rest = [rule for rule in rest if rule.index in more.left]
+        return (tuple(steps), rest) if len(rest) < len(left) else (quick, left)
+
+    def _sieve(self, left: list[RuleBits], budget: Budget) -> SieveResult:
+        from sketchlang.analysis.sieve import Sieve
+
+        return Sieve(self.model, self.rules, budget).run(left)
+
+    def _verdict(self, steps: tuple[Step, ...], result: SieveResult) -> Verdict:
+        if result.cycle:
+            return self._refuted(steps + result.steps, result.cycle)
+        return Terminating(steps + result.steps, "sieve")
+
+    def _refuted(self, steps: tuple[Step, ...], cycle: tuple[Move, ...]) -> NonTerminating:
         from sketchlang.analysis.numbers import concrete_run
 
-        run = concrete_run(model, result.cycle)
-        return NonTerminating(result.cycle, run, quick.steps + result.steps)
-    return Terminating(quick.steps + result.steps, by_sieve=True)
+        return NonTerminating(cycle, concrete_run(self.model, cycle), steps)
 
 
 def endless_rules(model: SketchModel) -> frozenset[int] | None:

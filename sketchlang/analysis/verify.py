@@ -10,6 +10,10 @@ run, only rules returned:
 - A step "lowers n" names rules that all have `n--`, while no rule at hand has `n++`, `n?` or
   `!n--`. From any moment on n never rises, so these rules fire at most n more times. "raises
   n" is the same upside down for n declared bounded.
+- A step "potential" gives features integer weights, so that no rule at hand can raise the
+  weighted sum and those named are sure to lower it. The sum is bounded below: numbers have
+  positive weights unless they are bounded, and truth values are 0 or 1. So it falls finitely
+  often.
 - A step "split" sorts the region into numbered blocks by a decision tree. The checker makes
   sure that no rule leads from a block to one with a lower number. So a run comes to stay
   in one block, and there uses rules with an edge inside it: the block's own proof applies.
@@ -22,59 +26,60 @@ If `proof` returns no rule for the whole sketch, no run exists: the sketch termi
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any, NoReturn
+from typing import Any
 
 from sketchlang.analysis.fingerprint import digest, fingerprint
-from sketchlang.model import And, Effect, Formula, Kind, Literal, Not, Or, Rule, SketchModel
+from sketchlang.analysis.verify_read import (
+    RefusedError,
+    a_text,
+    an_integer,
+    an_object,
+    read_certificate,
+    refuse,
+)
+from sketchlang.analysis.verify_tree import Answer, Question, follow, subtree_key, truth
+from sketchlang.model import Effect, Kind, Rule, SketchModel
+
+__all__ = ["RefusedError", "read_certificate", "verify"]
 
 FORMAT = "sketchlang-termination-certificate"
-VERSION = 1
+METHODS = {1: ("rule-elimination", "sieve"), 2: ("rule-elimination", "potentials", "sieve")}
+"""The versions of the format that are known, and the methods that they have words for."""
 
 RAISING = (Effect.INC, Effect.ANY, Effect.NOT_DEC)
 LOWERING = (Effect.DEC, Effect.ANY, Effect.NOT_INC)
 
 
-class RefusedError(Exception):
-    """The certificate does not prove that this sketch terminates; the message says why."""
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Question:
-    """A node of a decision tree; equal nodes of a tree are one object."""
-
-    feature: int
-    low: Answer
-    high: Answer
-
-
-Answer = int | None | Question
-
-
 def verify(certificate: Any, model: SketchModel) -> None:
     """Returns if the certificate is valid for the sketch, else raises `RefusedError`."""
-    content = _object(
+    content = an_object(
         certificate, "certificate", "format version sketch fingerprint method proof digest"
     )
-    if content["format"] != FORMAT:
-        _refuse(f"not a termination certificate (format {content['format']!r})")
-    if content["version"] != VERSION:
-        _refuse(f"version {content['version']!r} of the format, this checker knows {VERSION}")
+    if a_text(content["format"], "format") != FORMAT:
+        refuse(f"not a termination certificate (format {content['format']!r})")
+    version = an_integer(content["version"], "version")
+    if version not in METHODS:
+        known = " and ".join(map(str, METHODS))
+        refuse(f"version {version} of the format, this checker knows {known}")
+    if a_text(content["method"], "method") not in METHODS[version]:
+        refuse(f"version {version} of the format has no method {content['method']!r}")
+    a_text(content["sketch"], "sketch")
     if content["fingerprint"] != fingerprint(model):
-        _refuse("it is for another sketch, or for another version of this one (fingerprint)")
+        refuse("it is for another sketch, or for another version of this one (fingerprint)")
     if content["digest"] != digest({k: v for k, v in content.items() if k != "digest"}):
-        _refuse("it has been altered since it was written (digest)")
-    checker = Checker(model)
+        refuse("it has been altered since it was written (digest)")
+    checker = Checker(model, version)
     left = checker.proof(content["proof"], [], checker.possible_rules(), "step ")
     if left:
-        _refuse(f"at its end {_list(left)} may still fire for ever")
+        refuse(f"at its end {_list(left)} may still fire for ever")
 
 
 class Checker:
     """Checks steps for one sketch. `where` in all methods names the step for messages."""
 
-    def __init__(self, model: SketchModel) -> None:
+    def __init__(self, model: SketchModel, version: int) -> None:
         self.model = model
+        self.version = version
         self.rules = {rule.name: rule for rule in model.rules}
         self.features = {feature.name: i for i, feature in enumerate(model.features)}
 
@@ -90,63 +95,97 @@ class Checker:
     ) -> set[str]:
         """The rules that a list of steps leaves. The region is where each tree has its leaf."""
         if not isinstance(steps, list):
-            _refuse(f"{where}: a list of steps is expected")
+            refuse(f"{where}: a list of steps is expected")
         for number, step in enumerate(steps, start=1):
             here = f"{where}{number}"
             if isinstance(step, dict) and "split" in step:
                 gone = self.split(step, region, rules, here)
+            elif isinstance(step, dict) and "potential" in step and self.version > 1:
+                gone = self.potential(step, rules, here)
             else:
                 gone = self.drop(step, rules, here)
             if not gone:
-                _refuse(f"{here}: takes no rule away")
+                refuse(f"{here}: takes no rule away")
             rules = rules - gone
         return rules
 
     def drop(self, step: Any, rules: set[str], where: str) -> set[str]:
         upwards = isinstance(step, dict) and "raises" in step
         change = "raises" if upwards else "lowers"
-        step = _object(step, where, f"{change} rules")
+        step = an_object(step, where, f"{change} rules")
         feature = self.feature(step[change], where)
         declared = self.model.features[feature]
         if declared.kind is not Kind.NAT:
-            _refuse(f"{where}: {declared.name} is not a nat")
+            refuse(f"{where}: {declared.name} is not a nat")
         if upwards and not declared.bounded:
-            _refuse(f"{where}: {declared.name} is not declared bounded")
+            refuse(f"{where}: {declared.name} is not declared bounded")
         named = self.named(step["rules"], where)
         strict = Effect.INC if upwards else Effect.DEC
         able = {name for name in rules if self.rules[name].effects.get(feature) is strict}
         if named != able:
-            _refuse(f"{where}: {_list(able)} {change} {declared.name} here, not {_list(named)}")
+            refuse(f"{where}: {_list(able)} {change} {declared.name} here, not {_list(named)}")
         against = LOWERING if upwards else RAISING
         for name in sorted(rules):
             if self.rules[name].effects.get(feature) in against:
-                _refuse(f"{where}: {name} may change {declared.name} back")
+                refuse(f"{where}: {name} may change {declared.name} back")
         return named
+
+    def potential(self, step: Any, rules: set[str], where: str) -> set[str]:
+        step = an_object(step, where, "potential rules")
+        weights = step["potential"]
+        if not isinstance(weights, dict):
+            refuse(f"{where}: an object of weights is expected")
+        named = self.named(step["rules"], where)
+        changes = dict.fromkeys(rules, 0)
+        for key, weight in weights.items():
+            feature = self.feature(key.removesuffix(" > 0"), where)
+            number = self.model.features[feature].kind is Kind.NAT and not key.endswith(" > 0")
+            for name in rules:
+                changes[name] += self.most(name, feature, number, an_integer(weight, where), where)
+        for name in sorted(rules):
+            if changes[name] > 0:
+                refuse(f"{where}: {name} may raise the sum")
+        able = {name for name in rules if changes[name] < 0}
+        if named != able:
+            refuse(f"{where}: {_list(able)} lowers the sum here, not {_list(named)}")
+        return named
+
+    def most(self, name: str, feature: int, number: bool, weight: int, where: str) -> int:
+        """The most by which a rule can change a feature's value (or truth) times a weight."""
+        rule, declared = self.rules[name], self.model.features[feature]
+        if not number:
+            return max(weight * (after - before) for before, after in self.pairs(rule, feature))
+        if weight < 0 and not declared.bounded:
+            refuse(f"{where}: {declared.name} is not declared bounded, its weight is negative")
+        effect = rule.effects.get(feature)
+        if weight and effect in (RAISING if weight > 0 else LOWERING):
+            refuse(f"{where}: {name} may change {declared.name} by any number")
+        return -abs(weight) if effect is (Effect.DEC if weight > 0 else Effect.INC) else 0
 
     def split(
         self, step: Any, region: list[tuple[Answer, int]], rules: set[str], where: str
     ) -> set[str]:
-        step = _object(step, where, "split blocks rules")
+        step = an_object(step, where, "split blocks rules")
         blocks = step["blocks"]
         if not isinstance(blocks, list):
-            _refuse(f"{where}: a list of blocks is expected")
+            refuse(f"{where}: a list of blocks is expected")
         tree = self.tree(step["split"], len(blocks), {}, {}, where)
         staying: list[set[str]] = [set() for _ in blocks]
         for name in sorted(rules):
             for before, after in self.edges(self.rules[name], region, tree):
                 if after < before:
-                    _refuse(f"{where}: {name} leads back from block {before} to block {after}")
+                    refuse(f"{where}: {name} leads back from block {before} to block {after}")
                 if after == before:
                     staying[before].add(name)
         left: set[str] = set()
         for number, (block, inside) in enumerate(zip(blocks, staying, strict=True)):
             here = f"{where}, block {number}"
-            block = _object(block, here, "rules proof")
+            block = an_object(block, here, "rules proof")
             if self.named(block["rules"], here) != inside:
-                _refuse(f"{here}: the rules that can stay in it are {_list(inside)}")
+                refuse(f"{here}: the rules that can stay in it are {_list(inside)}")
             left |= self.proof(block["proof"], [*region, (tree, number)], inside, f"{here}, step ")
         if self.named(step["rules"], where) != rules - left:
-            _refuse(f"{where}: the rules that it takes away are {_list(rules - left)}")
+            refuse(f"{where}: the rules that it takes away are {_list(rules - left)}")
         return rules - left
 
     def edges(
@@ -163,7 +202,7 @@ class Checker:
         for f in range(len(self.model.features)):
             pairs = self.pairs(rule, f)
             states = {
-                (_follow(before, f, bit_before), _follow(after, f, bit_after))
+                (follow(before, f, bit_before), follow(after, f, bit_after))
                 for before, after in states
                 for bit_before, bit_after in pairs
             }
@@ -213,75 +252,37 @@ class Checker:
         if isinstance(value, list) and len(value) == 3:
             feature = self.feature(value[0], where)
             if any(feature <= earlier for earlier in answers):
-                _refuse(f"{where}: the tree asks for {value[0]} out of order")
+                refuse(f"{where}: the tree asks for {value[0]} out of order")
             low = self.tree(value[1], blocks, answers | {feature: False}, known, where)
             high = self.tree(value[2], blocks, answers | {feature: True}, known, where)
             question = Question(feature, low, high)
-            return known.setdefault((feature, _key(low), _key(high)), question)
+            return known.setdefault((feature, subtree_key(low), subtree_key(high)), question)
         if isinstance(value, int) and not isinstance(value, bool) and 0 <= value < blocks:
             return value
         if value is not None:
-            _refuse(f"{where}: {value!r} is no leaf of a tree with {blocks} blocks")
+            refuse(f"{where}: {value!r} is no leaf of a tree with {blocks} blocks")
         goal = self.model.goal
         if goal is not None and all(answers.get(f) == wanted for f, wanted in goal.items()):
             return None
-        if not any(_truth(inv.formula, answers) is False for inv in self.model.invariants):
-            _refuse(f"{where}: it leaves out valuations that a run may pass")
+        if not any(truth(inv.formula, answers) is False for inv in self.model.invariants):
+            refuse(f"{where}: it leaves out valuations that a run may pass")
         return None
 
     def feature(self, name: Any, where: str) -> int:
         if not isinstance(name, str) or name not in self.features:
-            _refuse(f"{where}: the sketch has no feature {name!r}")
+            refuse(f"{where}: the sketch has no feature {name!r}")
         return self.features[name]
 
     def named(self, names: Any, where: str) -> set[str]:
         if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
-            _refuse(f"{where}: a list of rule names is expected")
+            refuse(f"{where}: a list of rule names is expected")
         for name in names:
             if name not in self.rules:
-                _refuse(f"{where}: the sketch has no rule {name!r}")
+                refuse(f"{where}: the sketch has no rule {name!r}")
         if len(set(names)) < len(names):
-            _refuse(f"{where}: a rule is named twice")
+            refuse(f"{where}: a rule is named twice")
         return set(names)
-
-
-def _follow(nodes: tuple[Answer, ...], feature: int, bit: bool) -> tuple[Answer, ...]:
-    return tuple(
-        (node.high if bit else node.low)
-        if isinstance(node, Question) and node.feature == feature
-        else node
-        for node in nodes
-    )
-
-
-def _truth(formula: Formula, answers: dict[int, bool]) -> bool | None:
-    """Truth of a formula when only some features are known; None if it depends."""
-    match formula:
-        case Literal(feature, positive):
-            return answers[feature] == positive if feature in answers else None
-        case Not(operand):
-            value = _truth(operand, answers)
-            return None if value is None else not value
-        case And(operands) | Or(operands):
-            decides = isinstance(formula, Or)
-            values = [_truth(operand, answers) for operand in operands]
-            return decides if decides in values else None if None in values else not decides
-
-
-def _key(answer: Answer) -> int:
-    """Identifies a subtree: leaves by value, questions by object (they are kept alive)."""
-    return id(answer) if isinstance(answer, Question) else -2 if answer is None else -3 - answer
-
-
-def _object(value: Any, where: str, keys: str) -> dict[str, Any]:
-    if not isinstance(value, dict) or set(value) != set(keys.split()):
-        _refuse(f"{where}: an object with the keys {', '.join(keys.split())} is expected")
-    return value
 
 
 def _list(names: Sequence[str] | set[str]) -> str:
     return ", ".join(sorted(names)) or "none"
-
-
-def _refuse(reason: str) -> NoReturn:
-    raise RefusedError(reason)

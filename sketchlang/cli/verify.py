@@ -51,19 +51,12 @@ def command(*, certificate: str, file: str, as_json: bool, domain_file: str | No
 
 def _reason(data: bytes, model: SketchModel) -> str | None:
     """Why a certificate is refused, None if it is valid."""
-    from sketchlang.analysis.verify import RefusedError, verify
+    from sketchlang.analysis.verify import RefusedError, read_certificate, verify
 
     try:
-        verify(json.loads(data.decode("utf-8")), model)
+        verify(read_certificate(data), model)
     except RefusedError as refused:
         return str(refused)
-    except UnicodeDecodeError:
-        return "it is not a text in UTF-8"
-    except json.JSONDecodeError as error:
-        return f"it is not JSON, see line {error.lineno}, column {error.colno}: {error.msg}"
     except RecursionError:
         return "it is nested too deeply"
-    except ValueError:
-        # Python reads no number of more than 4300 digits.
-        return "it contains a number that is too long"
     return None

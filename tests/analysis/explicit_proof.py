@@ -41,7 +41,9 @@ class Explicit:
         assert isinstance(steps, list)
         for step in steps:
             assert isinstance(step, dict)
-            gone = (self._split if "split" in step else self._drop)(step, region, rules)
+            kinds = {"split": self._split, "potential": self._potential}
+            check = next((kinds[key] for key in step if key in kinds), self._drop)
+            gone = check(step, region, rules)
             assert gone
             rules = rules - gone
         return rules
@@ -62,6 +64,37 @@ class Explicit:
         }
         assert not against & set(effects.values())
         able = {name for name, effect in effects.items() if effect is strict}
+        assert sorted(step["rules"]) == sorted(able)
+        return able
+
+    def _potential(self, step: Any, region: set[Valuation], rules: set[str]) -> set[str]:
+        """Edge by edge for truth values, and by the meaning of effects for numbers."""
+        assert set(step) == {"potential", "rules"}
+        numbers, truths = {}, {}
+        for key, weight in step["potential"].items():
+            assert type(weight) is int
+            name = key.split()[0]
+            feature = self.names.index(name)
+            if key == name and self.model.features[feature].kind is Kind.NAT:
+                assert weight >= 0 or self.model.features[feature].bounded
+                numbers[feature] = weight
+            else:
+                assert key in (name, f"{name} > 0")
+                truths[feature] = weight
+        most: dict[str, int] = {}
+        for before, r, after in self.edges:
+            rule = self.model.rules[r]
+            change = sum(w * (after[f] - before[f]) for f, w in truths.items())
+            for f, weight in numbers.items():
+                allows = rule.effects[f].allows if f in rule.effects else int.__eq__
+                # From high up, can the number get closer to where the sum is larger?
+                changes = [d for d in (-1, 0, 1) if allows(5, 5 + d)]
+                worst = max((weight * d for d in changes), default=0)
+                assert worst <= 0 or rule.name not in rules
+                change += worst
+            most[rule.name] = max(most.get(rule.name, change), change)
+        assert all(most[name] <= 0 for name in rules)
+        able = {name for name in rules if most[name] < 0}
         assert sorted(step["rules"]) == sorted(able)
         return able
 

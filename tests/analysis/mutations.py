@@ -32,6 +32,9 @@ def _altered(step: dict[str, Any], model: SketchModel) -> Iterator[dict[str, Any
             for feature in model.features:
                 if feature.name != value:
                     yield rest | {key: feature.name}
+        elif key == "potential":
+            for weights in _weights(value, model):
+                yield rest | {key: weights}
         elif key == "rules":
             for names in _names(value, model):
                 yield rest | {key: names}
@@ -39,12 +42,27 @@ def _altered(step: dict[str, Any], model: SketchModel) -> Iterator[dict[str, Any
             for tree in _trees(value, model, len(step["blocks"])):
                 yield rest | {key: tree}
         elif key == "blocks":
-            yield rest | {key: value[::-1]}
-            yield rest | {key: [*value, {"rules": [], "proof": []}]}
-            for i, block in enumerate(value):
-                yield rest | {key: value[:i] + value[i + 1 :]}
-                for names in _names(block["rules"], model):
-                    yield rest | {key: [*value[:i], block | {"rules": names}, *value[i + 1 :]]}
+            for blocks in _blocks(value, model):
+                yield rest | {key: blocks}
+
+
+def _blocks(blocks: list[Any], model: SketchModel) -> Iterator[list[Any]]:
+    yield blocks[::-1]
+    yield [*blocks, {"rules": [], "proof": []}]
+    for i, block in enumerate(blocks):
+        yield blocks[:i] + blocks[i + 1 :]
+        for names in _names(block["rules"], model):
+            yield [*blocks[:i], block | {"rules": names}, *blocks[i + 1 :]]
+
+
+def _weights(weights: dict[str, Any], model: SketchModel) -> Iterator[dict[str, Any]]:
+    keys = [f.name for f in model.features] + [f"{f.name} > 0" for f in model.features]
+    for key in [*keys, "no_such_feature"]:
+        old = weights.get(key, 0)
+        for weight in (old + 1, old - 1, -old, 2 * old, float(old), bool(old), str(old), None):
+            if weight != old or type(weight) is not int:
+                yield weights | {key: weight}
+        yield {k: v for k, v in weights.items() if k != key}
 
 
 def _names(names: list[str], model: SketchModel) -> Iterator[list[str]]:

@@ -11,7 +11,7 @@ import pytest
 from sketchlang.analysis.certificate import as_text, certificate_of
 from sketchlang.analysis.fingerprint import digest
 from sketchlang.analysis.termination import Terminating, decide_termination
-from sketchlang.analysis.verify import RefusedError, verify
+from sketchlang.analysis.verify import RefusedError, read_certificate, verify
 from sketchlang.model import Effect, SketchModel
 from tests.analysis.explicit_proof import Explicit
 from tests.analysis.known import KNOWN
@@ -105,6 +105,46 @@ def test_alterations_of_the_text() -> None:
             assert refused(certificate | {key: value}, PICK_AND_PLACE)
     assert refused(certificate | {"more": 1}, PICK_AND_PLACE)
     assert refused(certificate | {"version": 2}, PICK_AND_PLACE)
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("version", True),
+        ("version", 1.0),
+        ("version", "1"),
+        ("version", 0),
+        ("method", float("nan")),
+        ("method", None),
+        ("method", "potentials"),  # no word of version 1
+        ("method", "magic"),
+        ("sketch", ["pick_and_place"]),
+        ("sketch", None),
+        ("format", ["sketchlang-termination-certificate"]),
+    ],
+)
+def test_fields_have_their_types(key: str, value: Any) -> None:
+    certificate = proved(PICK_AND_PLACE)
+    assert certificate is not None
+    assert refused(signed(certificate | {key: value}), PICK_AND_PLACE)
+
+
+def test_a_key_that_is_twice_is_refused() -> None:
+    text = as_text(proved(PICK_AND_PLACE))
+    verify(read_certificate(text.encode()), PICK_AND_PLACE)
+    for key in ("version", "rules", "lowers"):
+        first = text.index(f'"{key}"')
+        end = first + text[first:].index("\n")
+        line = text[first:end].rstrip(",")
+        twice = f"{text[:first]}{line}, {text[first:]}"
+        with pytest.raises(RefusedError, match="is twice in one object"):
+            read_certificate(twice.encode())
+
+
+@pytest.mark.parametrize("number", ["1.0", "1e0", "NaN", "Infinity", "-Infinity", "1" * 5000])
+def test_numbers_that_are_no_integers_are_not_read(number: str) -> None:
+    with pytest.raises(RefusedError):
+        read_certificate(f'{{"version": {number}}}'.encode())
 
 
 @pytest.mark.parametrize("nonsense", [None, 3, "proof", [], {}, [{}], {"proof": []}])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from sketchlang.analysis.proof import Drop, Node, Split, Step, Tree
+from sketchlang.analysis.proof import Drop, Node, Potential, Split, Step, Tree
 from sketchlang.analysis.words import listed, rule_names
 from sketchlang.model import SketchModel
 
@@ -37,7 +37,7 @@ class Removal:
 
     def _last(self, steps: Sequence[Step], rule: int) -> int | None:
         for step in steps:
-            if isinstance(step, Drop):
+            if isinstance(step, Drop | Potential):
                 if rule in step.rules:
                     return self._numbers[id(step)]
             elif rule in step.drops:
@@ -52,7 +52,7 @@ class Removal:
 
     def _within(self, steps: Sequence[Step], before: int, rule: int, after: int) -> int | None:
         for step in steps:
-            if isinstance(step, Drop):
+            if isinstance(step, Drop | Potential):
                 if rule in step.rules:
                     return self._numbers[id(step)]
                 continue
@@ -77,6 +77,11 @@ def _words(model: SketchModel, step: Step) -> str:
         change = "rises" if step.upwards else "falls"
         name = model.features[step.feature].name
         return f"{name} only {change} ({listed(rule_names(model, step.rules))})"
+    if isinstance(step, Potential):
+        from sketchlang.analysis.argument import weighted_sum
+
+        falls = listed(rule_names(model, step.rules))
+        return f"{weighted_sum(model, step.terms)} falls ({falls})"
     asked: set[int] = set()
     todo: list[Tree] = [step.tree]
     while todo:
