@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
-from runtime.files import write_text
 from runtime.search.classical import ClassicalProblem
 from runtime.search.siw_r import Outcome
+from sketchlang.files import write_text
 from sketchlang.model import SketchModel
 
 Profile = dict[str, dict[str, float]]

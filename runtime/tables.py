@@ -7,11 +7,11 @@ is an error instead of a setting that is silently ignored.
 from __future__ import annotations
 
 import difflib
-import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from sketchlang import reading
 from sketchlang.errors import InputError
 
 
@@ -21,19 +21,7 @@ def read_toml(path: Path) -> Table:
     Raises:
         InputError: it cannot be read or is not TOML.
     """
-    try:
-        data = tomllib.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise InputError("no such file", place=str(path)) from None
-    except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror}", place=str(path)) from None
-    except UnicodeDecodeError:
-        raise InputError("is not UTF-8 text", place=str(path)) from None
-    except ValueError as error:  # numbers of thousands of digits are no TOMLDecodeError
-        raise InputError(f"is not valid TOML: {error}", place=str(path)) from None
-    except RecursionError:
-        raise InputError("is nested too deeply", place=str(path)) from None
-    return Table(data, str(path))
+    return Table(reading.read_toml(path), str(path))
 
 
 class Table:

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+from sketchlang.escape import shown_line, visible
+
 
 class InputError(Exception):
-    """Bad input. `place` says where (a file, a key), `hint` what to do about it."""
+    """Bad input. `place` says where (a file, a key), `hint` what to do about it.
+
+    As a text it is one line, and one more for the hint, whatever characters the parts hold.
+    """
 
     def __init__(self, message: str, *, place: str | None = None, hint: str | None = None) -> None:
         super().__init__(message)
@@ -14,4 +19,6 @@ class InputError(Exception):
 
     def __str__(self) -> str:
         text = f"{self.place}: {self.message}" if self.place else self.message
-        return f"{text}\n  hint: {self.hint}" if self.hint else text
+        return (
+            f"{shown_line(text)}\n  hint: {visible(self.hint)}" if self.hint else shown_line(text)
+        )

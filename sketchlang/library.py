@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import os
 from pathlib import Path
 
 from sketchlang.errors import InputError
@@ -28,6 +29,8 @@ def find_scene(name: str) -> tuple[Path, str]:
     known = built_in_scenes()
     if name in known:
         return next((_ROOT / folder / "scenes").glob(f"{stem}.*")), name
+    if os.path.exists(path) and not os.path.isdir(path):
+        return path, name  # a pipe or a device: who reads it says so
     close = difflib.get_close_matches(name, known, 1)
     hint = f"did you mean {close[0]!r}?" if close else f"built in: {', '.join(known)}"
     raise InputError(f"there is no scene {name!r}, neither a file nor built in", hint=hint)

@@ -6,17 +6,20 @@
 from __future__ import annotations
 
 import importlib
-import importlib.util
+import os
 import re
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
+from types import ModuleType
 from typing import TYPE_CHECKING
 
 from sketchlang.check.checker import CheckedSketch, check
 from sketchlang.diagnostics import Diagnostic, Label, Severity
 from sketchlang.domain import Domain, DomainError
+from sketchlang.errors import InputError
+from sketchlang.reading import CODE_LIMIT, decoded, read_bytes, read_standard_input, read_text
 from sketchlang.source import Source
 from sketchlang.suggest import did_you_mean
 from sketchlang.syntax import tree
@@ -29,12 +32,12 @@ GROUP = "sketchlang.domains"
 """The entry-point group in which packages offer their domains."""
 
 _NAME = re.compile(r"[A-Za-z_]\w*")
-_SUFFIX = ".sketch"
+SUFFIX = ".sketch"
+"""How the names of sketches end."""
+
+MAX_BYTES = 4 * MAX_CHARACTERS
+"""Bytes of a sketch that are read: four a character at most."""
 _HERE = Path(__file__).resolve().parent.parent / "domains"
-
-
-class LoadError(Exception):
-    """A file or domain that cannot be had; the text is for the user."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +59,7 @@ def load_sketch(target: str, domain_file: str | None = None) -> Loaded:
     """Read, parse and check a sketch: a path, `-` for standard input, or a built-in name.
 
     `domain_file` is a Python file with a domain to use besides the installed ones. Raises
-    `LoadError` if the text or that file cannot be had.
+    `InputError` if the text or that file cannot be had.
     """
     extra = domains_of_file(domain_file) if domain_file is not None else {}
     return load_text(load_source(target), extra)
@@ -80,38 +83,24 @@ def load_text(source: Source, extra: dict[str, Domain] | None = None) -> Loaded:
 def load_source(target: str) -> Source:
     """The text of a path, of standard input (`-`), or of a built-in sketch."""
     if target == "-":
-        return Source("<stdin>", _decode("<stdin>", sys.stdin.buffer.read(MAX_CHARACTERS * 4 + 1)))
+        return Source("<stdin>", decoded(read_standard_input(MAX_BYTES), "<stdin>"))
     path = Path(target)
-    if not path.exists():
+    if not os.path.exists(path):  # Path.exists raises where a name is too long
         builtin = builtin_sketch(target)
         if builtin is not None:
             return _read(builtin, builtin.relative_to(_HERE.parent).as_posix())
         hint = did_you_mean(target, builtin_sketches())
         if _NAME.fullmatch(target) and not hint:
             hint = "Built-in sketches: " + ", ".join(builtin_sketches()) + "."
-        raise LoadError(f"{target}: no such file" + (f"\n{hint}" if hint else ""))
+        return _read(path, target, hint)
     return _read(path, target)
 
 
-def _read(path: Path, name: str) -> Source:
+def _read(path: Path, name: str, hint: str | None = None) -> Source:
     try:
-        if path.is_dir():
-            raise LoadError(f"{name}: is a directory")
-        with path.open("rb") as file:
-            # Four bytes a character at most: enough to tell that a file is too large.
-            return Source(name, _decode(name, file.read(MAX_CHARACTERS * 4 + 1)))
-    except OSError as error:
-        raise LoadError(f"{name}: {error.strerror or error}") from error
-
-
-def _decode(name: str, data: bytes) -> str:
-    try:
-        return data.decode("utf-8")
-    except UnicodeDecodeError as error:
-        if len(data) > MAX_CHARACTERS * 4:
-            return data.decode("utf-8", errors="replace")
-        message = f"{name}: not a text in UTF-8 (byte {error.start + 1})"
-        raise LoadError(message) from error
+        return Source(name, read_text(path, MAX_BYTES))
+    except InputError as error:
+        raise InputError(error.message, place=name, hint=hint) from None
 
 
 def builtin_sketches() -> list[str]:
@@ -127,8 +116,8 @@ def builtin_sketch(name: str) -> Path | None:
 
 
 def _builtin_paths() -> Iterator[Path]:
-    yield from _HERE.glob(f"*{_SUFFIX}")
-    yield from _HERE.glob(f"*/*{_SUFFIX}")
+    yield from _HERE.glob(f"*{SUFFIX}")
+    yield from _HERE.glob(f"*/*{SUFFIX}")
 
 
 # Includes.
@@ -157,9 +146,9 @@ def _expand(
             continue
         try:
             source = _included(item, parsed.source)
-        except LoadError as error:
-            message, _, hint = str(error).partition("\n")
-            diagnostics.append(Diagnostic("include-not-found", message, label, hint=hint or None))
+        except InputError as error:
+            message = f"{error.place}: {error.message}" if error.place else error.message
+            diagnostics.append(Diagnostic("include-not-found", message, label, hint=error.hint))
             items.append(item)
             continue
         if source.name in path:
@@ -189,16 +178,15 @@ MAX_INCLUDES = 20
 def _included(item: tree.Include, source: Source) -> Source:
     if not item.quoted:
         return load_builtin(item.target)
-    base = Path(source.name).parent
-    if source.name == "<stdin>":
-        base = Path()
-    elif not Path(source.name).exists() and (_HERE.parent / source.name).exists():
-        # A built-in sketch is known by its path inside the installation.
-        path = _HERE.parent / base / item.target
-        return _read(path, (base / item.target).as_posix())
+    base = Path() if source.name == "<stdin>" else Path(source.name).parent
     path = base / item.target
-    if not path.exists():
-        raise LoadError(f"{path.as_posix()}: no such file")
+    if path.suffix != SUFFIX:
+        # An excerpt of what is wrong in it would show any file to whoever sees the findings.
+        raise InputError(f"only files ending in {SUFFIX} are included", place=path.as_posix())
+    inside = source.name != "<stdin>" and not os.path.exists(source.name)
+    if inside and (_HERE.parent / source.name).exists():
+        # A built-in sketch is known by its path inside the installation.
+        return _read(_HERE.parent / path, path.as_posix())
     return _read(path, path.as_posix())
 
 
@@ -209,7 +197,7 @@ def load_builtin(name: str) -> Source:
         hint = did_you_mean(name, builtin_sketches()) or (
             "Built-in sketches: " + ", ".join(builtin_sketches()) + ". Put paths in quotes."
         )
-        raise LoadError(f"there is no built-in sketch `{name}`\n{hint}")
+        raise InputError(f"there is no built-in sketch `{name}`", hint=hint)
     return _read(path, path.relative_to(_HERE.parent).as_posix())
 
 
@@ -228,8 +216,8 @@ def find_domain(
     label = Label(source, item.name.span)
     try:
         found = extra.get(name) or load_domain(name)
-    except LoadError as error:
-        return None, [Diagnostic("broken-domain", str(error), label)]
+    except InputError as error:
+        return None, [Diagnostic("broken-domain", error.message, label)]
     if found is not None:
         return found, []
     names = sorted({*extra, *domain_names()})
@@ -280,38 +268,32 @@ def _import_domain(module: str, attribute: str, name: str) -> Domain:
         found = getattr(importlib.import_module(module), attribute)
     # A module that ends the program would end the command as well.
     except (Exception, SystemExit) as error:
-        raise LoadError(
+        raise InputError(
             f"domain `{name}` cannot be loaded: {type(error).__name__}: {error}"
         ) from error
     if not isinstance(found, Domain):
-        raise LoadError(f"domain `{name}` cannot be loaded: {module}:{attribute} is no Domain")
+        raise InputError(f"domain `{name}` cannot be loaded: {module}:{attribute} is no Domain")
     return found
 
 
 def domains_of_file(path: str) -> dict[str, Domain]:
     """The domains that a Python file declares, by name."""
-    file = Path(path)
-    if file.is_dir():
-        raise LoadError(f"{path}: is a directory, not a Python file")
-    if not file.is_file():
-        raise LoadError(f"{path}: no such file")
-    spec = importlib.util.spec_from_file_location(f"_sketchlang_domain_{file.stem}", file)
-    if spec is None or spec.loader is None:
-        raise LoadError(f"{path}: not a Python file")
-    module = importlib.util.module_from_spec(spec)
+    source = read_bytes(path, CODE_LIMIT)
+    module = ModuleType(f"_sketchlang_domain_{Path(path).stem}")
+    module.__file__ = path
     # Where dataclasses and pickle look for the module of a class.
-    sys.modules[spec.name] = module
+    sys.modules[module.__name__] = module
     try:
-        spec.loader.exec_module(module)
+        exec(compile(source, path, "exec", dont_inherit=True), vars(module))
     except DomainError as error:
-        raise LoadError(f"{path}: {error}") from error
+        raise InputError(str(error), place=path) from error
     except (Exception, SystemExit) as error:
-        line = _line_of(error, str(file))
+        line = _line_of(error, path)
         where = f"{path}:{line}" if line else path
-        raise LoadError(f"{where}: {type(error).__name__}: {error}") from error
+        raise InputError(f"{type(error).__name__}: {error}", place=where) from error
     found = {value.name: value for value in vars(module).values() if isinstance(value, Domain)}
     if not found:
-        raise LoadError(f"{path}: declares no domain (`domain = Domain(NAME)`)")
+        raise InputError("declares no domain (`domain = Domain(NAME)`)", place=path)
     return found
 
 

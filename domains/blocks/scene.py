@@ -9,19 +9,20 @@ Blocks that `goal` does not name belong on the table.
 
 from __future__ import annotations
 
-import tomllib
 from pathlib import Path
 
 from domains.blocks.problem import TABLE, Block, BlocksProblem, State, Task
 from sketchlang.domain import SceneError
+from sketchlang.errors import InputError
+from sketchlang.reading import read_toml
 
 
 def read(path: str | Path) -> BlocksProblem:
     """The problem of a scene file; raises `SceneError` with what is wrong in it."""
     try:
-        values = tomllib.loads(Path(path).read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise SceneError(f"{path}: {error}") from error
+        values = read_toml(path)
+    except InputError as error:
+        raise SceneError(str(error)) from error
     unknown = sorted(values.keys() - {"towers", "goal", "clear", "summary"})
     if unknown:
         known = "towers, goal, clear, summary"

@@ -11,19 +11,20 @@
 
 from __future__ import annotations
 
-import tomllib
 from pathlib import Path
 
 from domains.delivery.problem import Cell, DeliveryProblem, Grid, Package, State
 from sketchlang.domain import SceneError
+from sketchlang.errors import InputError
+from sketchlang.reading import read_toml
 
 
 def read(path: str | Path) -> DeliveryProblem:
     """The problem of a scene file; raises `SceneError` with what is wrong in it."""
     try:
-        values = tomllib.loads(Path(path).read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise SceneError(f"{path}: {error}") from error
+        values = read_toml(path)
+    except InputError as error:
+        raise SceneError(str(error)) from error
     unknown = sorted(values.keys() - {"map", "summary"})
     if unknown:
         raise SceneError(f"{path}: unknown key {unknown[0]!r} (known: map, summary)")

@@ -8,9 +8,9 @@ from pathlib import Path
 from domains.tabletop.scene.generate import sorting_scene
 from runtime.bench.paper import SCENES
 from runtime.bench.runner import Job
-from runtime.files import write_text
 from runtime.search.planners import PLANNERS
 from sketchlang.errors import InputError
+from sketchlang.files import write_text
 
 SIZES = (10, 28, 56, 112, 200)
 

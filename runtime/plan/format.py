@@ -15,10 +15,11 @@ from typing import Any
 
 import numpy as np
 
-from runtime.files import write_text
 from runtime.motion.motion import ArmMove, BaseMove, GripperMove, Piece
 from runtime.robot.model import Floats
 from sketchlang.errors import InputError
+from sketchlang.files import write_text
+from sketchlang.reading import read_json
 
 FORMAT = "sketchlang-plan"
 VERSION = 1
@@ -174,24 +175,7 @@ def read_plan(path: Path) -> Plan:
     Raises:
         InputError: what is wrong with the file, and where.
     """
-    try:
-        text = path.read_text(encoding="utf-8")
-    except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror}", place=str(path)) from None
-    except UnicodeDecodeError:
-        raise InputError("is not UTF-8 text", place=str(path)) from None
-    try:
-        data = json.loads(text)
-    except json.JSONDecodeError as error:
-        hint = None if text.rstrip().endswith("}") else "the file seems to be cut off"
-        raise InputError(
-            f"is not valid JSON: {error.msg} at line {error.lineno}, column {error.colno}",
-            place=str(path),
-            hint=hint,
-        ) from None
-    except (RecursionError, ValueError) as error:  # brackets or digits by the thousand
-        raise InputError(f"is not a plan file: {error}", place=str(path)) from None
-    return _Reader(str(path)).plan(data)
+    return _Reader(str(path)).plan(read_json(path))
 
 
 class _Reader:

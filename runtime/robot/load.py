@@ -22,6 +22,7 @@ from runtime.robot.urdf import Box, Joint, Urdf, read_urdf
 from runtime.tables import Table, read_toml
 from runtime.world.poses import Pose, compose, identity, invert
 from sketchlang.errors import InputError
+from sketchlang.reading import read_bytes
 
 BUILT_IN = Path(__file__).parent
 DEFAULT_ROBOT = "tiago"
@@ -51,7 +52,7 @@ def load_robot(name: str | Path) -> RobotModel:
     table = read_toml(path)
     urdf_path = path.parent / table.text("urdf")
     urdf = read_urdf(urdf_path)
-    digest = hashlib.sha256(path.read_bytes() + urdf_path.read_bytes()).hexdigest()
+    digest = hashlib.sha256(read_bytes(path) + read_bytes(urdf_path)).hexdigest()
     robot = _build(table, urdf, digest)
     table.finish()
     return robot

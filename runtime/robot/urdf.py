@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from runtime.world.poses import Pose, identity, rotation_from_rpy
 from sketchlang.errors import InputError
+from sketchlang.reading import read_xml
 
 JOINT_TYPES = ("fixed", "revolute", "continuous", "prismatic")
 
@@ -71,14 +72,7 @@ def read_urdf(path: Path) -> Urdf:
         InputError: the file cannot be read, is not XML, is not a tree of links, or holds
             shapes other than boxes.
     """
-    try:
-        root = ElementTree.parse(path).getroot()
-    except OSError as error:
-        raise InputError(
-            f"the robot's URDF cannot be read: {error.strerror}", place=str(path)
-        ) from None
-    except (ElementTree.ParseError, LookupError, ValueError) as error:
-        raise InputError(f"is not well-formed XML: {error}", place=str(path)) from None
+    root = read_xml(path)
     try:
         return _read(root, path.stem)
     except InputError as error:

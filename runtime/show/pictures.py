@@ -14,13 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from runtime.export.model import boxes
-from runtime.files import replacing, write_bytes
 from runtime.physics.simulation import connect
 from runtime.robot.model import Floats
 from runtime.show.colours import FLOOR
 from runtime.trace.kinematics import pose_of
 from runtime.trace.model import Trace
 from sketchlang.errors import InputError
+from sketchlang.files import replacing, write_bytes
 
 Image = NDArray[np.uint8]
 """Rows of pixels, red, green, blue: (height, width, 3)."""

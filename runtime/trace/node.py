@@ -11,6 +11,7 @@ import numpy as np
 
 from runtime.plan.format import LARGEST
 from runtime.robot.model import Floats
+from sketchlang import reading
 from sketchlang.errors import InputError
 
 
@@ -20,22 +21,7 @@ def read_json(path: Path) -> Node:
     Raises:
         InputError: it cannot be read or is not JSON.
     """
-    try:
-        text = path.read_text(encoding="utf-8")
-    except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror}", place=str(path)) from None
-    except UnicodeDecodeError:
-        raise InputError("is not UTF-8 text", place=str(path)) from None
-    try:
-        return Node(json.loads(text), str(path))
-    except json.JSONDecodeError as error:
-        raise InputError(
-            f"is not valid JSON: {error.msg} at line {error.lineno}, column {error.colno}",
-            place=str(path),
-            hint=None if text.rstrip().endswith("}") else "the file seems to be cut off",
-        ) from None
-    except (RecursionError, ValueError) as error:  # brackets or digits by the thousand
-        raise InputError(f"cannot be read as JSON: {error}", place=str(path)) from None
+    return Node(reading.read_json(path), str(path))
 
 
 class Node:

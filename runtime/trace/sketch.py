@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from runtime.trace.model import RuleText, TraceSketch
 from sketchlang.errors import InputError
-from sketchlang.loader import Loaded, LoadError, load_sketch
+from sketchlang.loader import Loaded, load_sketch
 from sketchlang.syntax import tree
 
 
@@ -16,7 +16,7 @@ def load_trace_sketch(target: str) -> TraceSketch:
     """
     try:
         loaded = load_sketch(target)
-    except LoadError as error:
+    except InputError as error:
         raise InputError(
             str(error), hint="name the sketch that the plan was made with: --sketch FILE"
         ) from None

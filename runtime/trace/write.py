@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 
 from domains.tabletop.scene.model import Goal, PoseGoal, Scene, UprightBox
-from runtime.files import write_text
 from runtime.robot.model import Floats
 from runtime.trace.kinematics import pose_of
 from runtime.trace.model import Span, Trace, TraceRobot, TraceSketch
 from runtime.trace.track import Track
+from sketchlang.files import write_text
 
 FORMAT = "sketchlang-trace"
 VERSION = 1

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import errno
 import importlib
 import os
 import sys
+from collections.abc import Sequence
 from typing import Any
 
 import click
 
 from sketchlang import __version__
+from sketchlang.cli.last import prepare_process, run_group
 
 COMMANDS = {
     "check": "Parse a sketch, check its types and rules.",
@@ -29,11 +30,8 @@ COMMANDS = {
     "bench": "Run a benchmark suite and print its tables.",
 }
 
-INTERRUPTED = 130
-"""Exit status after Ctrl-C, as shells have it."""
-
-FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
-"""What a device says that takes no more output."""
+COMPLETION = "_SKETCHLANG_COMPLETE"
+"""Environment variable by which shells ask for completions."""
 
 
 class LazyGroup(click.Group):
@@ -67,24 +65,21 @@ class LazyGroup(click.Group):
                 raise
             raise click.UsageError(f"{message} {hint}", ctx) from None
 
-    def invoke(self, ctx: click.Context) -> Any:
-        # Not left to click, whose exit status for Ctrl-C is 1: that is a verdict here.
-        try:
-            try:
-                return super().invoke(ctx)
-            finally:
-                sys.stdout.flush()  # a full disk has to show now, not when Python exits
-        except KeyboardInterrupt:
-            click.echo("interrupted", err=True)
-            ctx.exit(INTERRUPTED)
-        except OSError as error:
-            # Commands tell of their files themselves. What is left is standard output.
-            if error.errno not in FULL:
-                raise
-            click.echo(f"error: output cannot be written: {error.strerror or error}", err=True)
-            # What is still buffered cannot be written either.
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-            ctx.exit(2)
+    def main(
+        self,
+        args: Sequence[str] | None = None,
+        prog_name: str | None = None,
+        complete_var: str | None = None,
+        standalone_mode: bool = True,
+        windows_expand_args: bool = True,
+        **extra: Any,
+    ) -> Any:
+        """Run the command line and end the process with an exit status of ours, not click's."""
+        name = prog_name or "sketchlang"
+        if not standalone_mode or COMPLETION in os.environ:
+            return super().main(args, name, COMPLETION, standalone_mode, **extra)
+        arguments = list(sys.argv[1:] if args is None else args)
+        sys.exit(run_group(self, arguments, name, **extra))
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         with formatter.section("Commands"):
@@ -99,8 +94,5 @@ def cli() -> None:
 
 def main() -> None:
     """Entry point of the `sketchlang` script."""
-    try:
-        cli(prog_name="sketchlang")
-    except KeyboardInterrupt:
-        print("interrupted", file=sys.stderr)
-        raise SystemExit(INTERRUPTED) from None
+    prepare_process()
+    cli(prog_name="sketchlang")

@@ -66,14 +66,14 @@ def command(
             )
         results = {runner.key(result): result for result in runner.read_results(path)}
     except InputError as error:
-        fail(str(error))
+        fail(error)
     chosen = [results[job] for job in wanted]
     parts = [tables.scaling_table(chosen)] if suite == "scaling" else [tables.main_table(chosen)]
     parts += [tables.profile_table(chosen), tables.share_table(chosen), tables.ratio_lines(chosen)]
     click.echo("\n\n".join("\n".join(part) for part in parts if part))
     if suite == "scaling":
         from runtime.bench.plot import scaling_plot
-        from runtime.files import write_text
+        from sketchlang.files import write_text
 
         picture = path.with_suffix(".svg")
         write_text(picture, scaling_plot(chosen, [tables.size_of(r["scene"]) for r in chosen]))

@@ -6,8 +6,10 @@ import sys
 
 import click
 
+from sketchlang.cli.common import fail
 from sketchlang.diagnostics import Diagnostic, Severity
-from sketchlang.loader import Loaded, LoadError, domains_of_file, load_source, load_text
+from sketchlang.errors import InputError
+from sketchlang.loader import Loaded, domains_of_file, load_source, load_text
 
 FORMATS = ("full", "concise", "json", "github", "sarif")
 
@@ -72,13 +74,12 @@ def command(files: tuple[str, ...], domain_file: str | None, format_: str) -> No
     names: list[str] = []
     try:
         extra = domains_of_file(domain_file) if domain_file is not None else {}
-    except LoadError as error:
-        click.echo(f"error: {error}", err=True)
-        raise SystemExit(2) from None
+    except InputError as error:
+        fail(error)
     for file in files:
         try:
             loaded = load_text(load_source(file), extra)
-        except LoadError as error:
+        except InputError as error:
             click.echo(f"error: {error}", err=True)
             unreadable = True
             continue

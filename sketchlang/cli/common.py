@@ -4,24 +4,25 @@ from __future__ import annotations
 
 import functools
 import math
-import os
 import sys
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, NoReturn, ParamSpec, TypeVar
+from typing import TYPE_CHECKING, Any, NoReturn, ParamSpec, TypeVar
 
 import click
 
-from sketchlang.cli import INTERRUPTED
+from sketchlang import files, reading
+from sketchlang.cli.last import INTERRUPTED
 from sketchlang.diagnostics import Label
-from sketchlang.loader import Loaded, LoadError, load_sketch
+from sketchlang.errors import InputError
+from sketchlang.escape import shown_line
+from sketchlang.loader import Loaded, load_sketch
 from sketchlang.model import Rule
 from sketchlang.source import Source, Span
 from sketchlang.syntax import tree
 
 if TYPE_CHECKING:
     from runtime.trace.model import Trace
-    from sketchlang.errors import InputError
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -47,12 +48,14 @@ def trace_options(command: Callable[P, R]) -> Callable[P, R]:
 
 
 def interruptible(command: Callable[P, R]) -> Callable[P, R]:
-    """Lets Ctrl-C end a command with one word instead of a verdict's exit status."""
+    """What every command with files runs in: what it reads is remembered, so that nothing is
+    written over it, and Ctrl-C ends it with one word instead of a verdict's exit status."""
 
     @functools.wraps(command)
     def wrapped(*args: P.args, **kwargs: P.kwargs) -> R:
         try:
-            return command(*args, **kwargs)
+            with reading.recording():
+                return command(*args, **kwargs)
         except KeyboardInterrupt:
             click.echo("interrupted", err=True)
             sys.exit(INTERRUPTED)
@@ -60,9 +63,17 @@ def interruptible(command: Callable[P, R]) -> Callable[P, R]:
     return wrapped
 
 
-def fail(message: str) -> NoReturn:
+def say(*lines: str, err: bool = False) -> None:
+    """Print lines in which every character is seen, whoever they are from."""
+    for line in lines:
+        click.echo(shown_line(line), err=err)
+
+
+def fail(problem: str | Exception, hint: str | None = None) -> NoReturn:
     """Ends the command because of what the user asked for or gave."""
-    click.echo(f"error: {message}", err=True)
+    # As an InputError it becomes one line, and one more for the hint.
+    error = problem if isinstance(problem, InputError) else InputError(str(problem), hint=hint)
+    click.echo(f"error: {error}", err=True)
     sys.exit(2)
 
 
@@ -70,8 +81,8 @@ def load_valid(file: str, domain_file: str | None = None) -> Loaded:
     """The sketch of a file; ends the command if it cannot be read or has errors."""
     try:
         loaded = load_sketch(file, domain_file)
-    except LoadError as error:
-        fail(str(error))
+    except InputError as error:
+        fail(error)
     if not loaded.ok:
         from sketchlang.render import console, full
 
@@ -83,80 +94,37 @@ def load_valid(file: str, domain_file: str | None = None) -> Loaded:
     return loaded
 
 
-def look_ahead(path: str | Path, folder: bool = False) -> None:
-    """Ends the command if a file, or a folder, cannot be written: before hours of work and
-    not after them."""
-    from runtime.files import is_special
-
-    if is_special(Path(path)):
-        return
-    target = os.path.realpath(path)
-    within = target if folder and os.path.isdir(target) else os.path.dirname(target)
-    if not os.path.isdir(within):
-        fail(f"{path}: there is no folder {str(Path(path).parent)!r}")
-    if not folder and os.path.isdir(target):
-        fail(f"{path}: is a directory")
-    if folder and os.path.isfile(target):
-        fail(f"{path}: is not a folder")
-    _try_to_write(path, within)
-
-
-def _try_to_write(path: str | Path, folder: str) -> None:
-    # Tried, not asked: permissions alone do not tell of file systems that are read-only.
-    import tempfile
-
-    try:
-        Path(path).exists()  # fails where the name is too long
-        tempfile.TemporaryFile(dir=folder).close()
-    except OSError as error:
-        fail(f"{path}: cannot be written: {error.strerror or error}")
-
-
 def check_outputs(
-    inputs: Iterable[str | Path | None],
+    named: Iterable[str | Path | None],
     outputs: Mapping[str, Path | None],
-    folders: Collection[str] = (),
+    folders: tuple[str, ...] = (),
 ) -> None:
-    """Ends the command if an output, by its option, would overwrite something else or cannot be
-    written: before the work and not after it. `folders` are the options that write a folder."""
-    keep_apart(inputs, outputs)
-    for option, path in outputs.items():
-        if path is not None:
-            look_ahead(path, folder=option in folders)
+    """Ends the command if an output, by its option, would overwrite something that is read, or
+    another output, or cannot be written: before the work and not after it.
 
-
-def keep_apart(inputs: Iterable[str | Path | None], outputs: Mapping[str, Path | None]) -> None:
-    """Ends the command if an output, by its option, would overwrite an input or another
-    output. Inputs may also be names of what is built in: those are no files."""
-    from runtime.files import is_special
-
-    files = [name for name in inputs if name is not None and os.path.exists(name)]
-    taken = {os.path.realpath(name): "what is read" for name in files}
-    for option, path in outputs.items():
-        if path is None or is_special(path):
-            continue
-        real = os.path.realpath(path)
-        if real in taken:
-            fail(f"{option}: {path} would overwrite {taken[real]}")
-        taken[real] = f"what {option} writes"
-
-
-def write_file(path: str, text: str) -> None:
-    """Writes a file as a whole or not at all; ends the command if it cannot be written."""
-    from runtime.files import write_text
-    from sketchlang.errors import InputError
-
+    `named` are inputs besides those that were read already; they may also be names of what is
+    built in: those are no files. `folders` are the options that write a folder.
+    """
+    for name in named:
+        if name is not None:
+            reading.inputs().note(name)
     try:
-        write_text(Path(path), text)
+        files.check_outputs(outputs, folders)
     except InputError as error:
-        fail(str(error))
+        fail(error)
 
 
-def not_nan(context: click.Context, parameter: click.Parameter, value: float) -> float:
-    """Callback of options whose range does not keep `nan` out."""
-    if math.isnan(value):
-        raise click.BadParameter("nan is not a number.")
-    return value
+class Number(click.FloatRange):
+    """A number in a range, neither infinite nor `nan`, which no range keeps out."""
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float:
+        """The number; fails as click's types do."""
+        number: float = super().convert(value, param, ctx)
+        if not math.isfinite(number):
+            self.fail(f"{value} is not a finite number.", param, ctx)
+        return number
 
 
 def load_named(file: Path, scene: str | None, robot: str | None, sketch: str | None) -> Trace:
@@ -166,7 +134,6 @@ def load_named(file: Path, scene: str | None, robot: str | None, sketch: str | N
         InputError: what is wrong with the file or an option, and what to do about it.
     """
     from runtime.trace.load import load_trace
-    from sketchlang.errors import InputError
 
     given = {"--scene": scene, "--robot": robot, "--sketch": sketch}
     _refuse_for_traces(file, [option for option, value in given.items() if value is not None])
@@ -186,7 +153,6 @@ def load_named(file: Path, scene: str | None, robot: str | None, sketch: str | N
 def _refuse_for_traces(file: Path, options: list[str]) -> None:
     from runtime.trace.node import read_json
     from runtime.trace.write import FORMAT
-    from sketchlang.errors import InputError
 
     if not options:
         return

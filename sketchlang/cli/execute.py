@@ -98,7 +98,7 @@ def command(
         if trace is not None:
             write_trace(happened, trace)
     except InputError as error:
-        fail(str(error))
+        fail(error)
     if as_json:
         largest = {"tracking_largest": largest_errors(report, planned.robot)}
         click.echo(json.dumps({"plan": file} | to_json(report, planned) | largest))
@@ -190,7 +190,7 @@ def _closed(
         if trace is not None and happened is not None:
             write_trace(happened, trace)
     except InputError as error:
-        fail(str(error))
+        fail(error)
     except EvaluationError as error:
         fail(f"the sketch cannot be evaluated: {error}")
     events = () if happened is None else happened.events

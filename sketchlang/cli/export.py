@@ -8,11 +8,11 @@ from pathlib import Path
 import click
 
 from sketchlang.cli.common import (
+    Number,
     check_outputs,
     fail,
     interruptible,
     load_named,
-    not_nan,
     trace_options,
 )
 
@@ -37,8 +37,7 @@ Examples:
 @click.option("--glb", type=click.Path(path_type=Path, dir_okay=False), help="Write a 3D model.")
 @click.option(
     "--at",
-    type=click.FloatRange(min=0),
-    callback=not_nan,
+    type=Number(min=0),
     default=0.0,
     show_default=True,
     metavar="S",
@@ -64,7 +63,7 @@ def command(
     if trajectory is None and bag is None and glb is None:
         fail("nothing to write: give --trajectory, --bag or --glb")
     outputs = {"--trajectory": trajectory, "--bag": bag, "--glb": glb}
-    check_outputs((file, scene, robot, sketch), outputs, folders=["--bag"])
+    check_outputs((file, scene, robot, sketch), outputs, folders=("--bag",))
     try:
         if bag is not None:
             from runtime.export.bag import check_bag
@@ -75,7 +74,7 @@ def command(
             fail(f"--at: {at:g} s is after the end, {trace.duration:.2f} s")
         if trajectory is not None:
             from runtime.export.messages import trajectories
-            from runtime.files import write_text
+            from sketchlang.files import write_text
 
             write_text(trajectory, json.dumps(trajectories(trace), indent=1) + "\n")
             click.echo(f"trajectories written to {trajectory}")
@@ -86,9 +85,9 @@ def command(
             click.echo(f"bag written to {bag}")
         if glb is not None:
             from runtime.export.model import glb as model
-            from runtime.files import write_bytes
+            from sketchlang.files import write_bytes
 
             write_bytes(glb, model(trace, min(at, trace.duration)))
             click.echo(f"model written to {glb}")
     except InputError as error:
-        fail(str(error))
+        fail(error)

@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from pathlib import Path
 
 import click
 
-from sketchlang.loader import LoadError, load_source
+from sketchlang.cli.common import say
+from sketchlang.errors import InputError
+from sketchlang.escape import visible
+from sketchlang.files import write_bytes
+from sketchlang.loader import load_source
 from sketchlang.render import console, full
 from sketchlang.source import Source
 from sketchlang.syntax.formatter import format_tree
 from sketchlang.syntax.parser import parse
+
+TAB = "\t"
 
 
 @click.command("fmt")
@@ -41,11 +48,11 @@ def command(files: tuple[str, ...], check: bool, diff: bool) -> None:
 def _format(name: str, check: bool, diff: bool) -> str:
     """Format one file, or only look: `failed`, `changed` or `unchanged`."""
     try:
-        if name != "-" and not Path(name).exists():
+        if name != "-" and not os.path.exists(name):
             # Not the built-in sketch of the name: there would be no file to write.
-            raise LoadError(f"{name}: no such file")
+            raise InputError("no such file", place=name)
         source = load_source(name)
-    except LoadError as error:
+    except InputError as error:
         click.echo(f"error: {error}", err=True)
         return "failed"
     formatted = _formatted(source)
@@ -55,16 +62,17 @@ def _format(name: str, check: bool, diff: bool) -> str:
     if diff:
         console.write(_diff(source, formatted))
     if check and differs:
-        click.echo(f"would change {source.name}", err=True)
+        say(f"would change {source.name}", err=True)
     if name == "-" and not (check or diff):
         console.write(formatted)
     elif differs and not (check or diff):
         try:
-            Path(name).write_text(formatted, encoding="utf-8", newline="")
-        except OSError as error:
-            click.echo(f"error: {name}: {error.strerror or error}", err=True)
+            # As bytes: line breaks stay what they are.
+            write_bytes(Path(name), formatted.encode(), over_input=True)
+        except InputError as error:
+            click.echo(f"error: {error}", err=True)
             return "failed"
-        click.echo(f"changed {source.name}", err=True)
+        say(f"changed {source.name}", err=True)
     return "changed" if differs else "unchanged"
 
 
@@ -87,7 +95,7 @@ def _formatted(source: Source) -> str | None:
     colour = console.wants_colour(sys.stderr)
     for found in diagnostics:
         click.echo(full.render(found, colour) + "\n", err=True)
-    click.echo(f"{source.name}: not formatted", err=True)
+    say(f"{source.name}: not formatted", err=True)
     return None
 
 
@@ -101,5 +109,9 @@ def _diff(source: Source, formatted: str) -> str:
         f"{source.name} (formatted)",
     )
     return "".join(
-        line if line.endswith("\n") else f"{line}\n\\ No newline at end of file\n" for line in lines
+        # What follows the sign cannot begin a line; the sign itself keeps its place.
+        f"{visible(line[:-1], keep=TAB)}\n"
+        if line.endswith("\n")
+        else f"{visible(line, keep=TAB)}\n\\ No newline at end of file\n"
+        for line in lines
     )

@@ -7,12 +7,11 @@ from pathlib import Path
 import click
 
 from sketchlang.cli.common import (
+    check_outputs,
     domain_option,
     fail,
     interruptible,
     load_valid,
-    look_ahead,
-    write_file,
 )
 
 SUFFIXES = {".svg": "svg", ".dot": "dot", ".gv": "dot", ".mmd": "mermaid", ".mermaid": "mermaid"}
@@ -33,11 +32,17 @@ SUFFIXES = {".svg": "svg", ".dot": "dot", ".gv": "dot", ".mmd": "mermaid", ".mer
     type=click.Choice(["svg", "dot", "mermaid"]),
     help="What to write [default: by the name of OUT, or dot]",
 )
-@click.option("-o", "--out", metavar="OUT", help="Write to a file, not to standard output.")
+@click.option(
+    "-o",
+    "--out",
+    type=click.Path(path_type=Path, dir_okay=False),
+    metavar="OUT",
+    help="Write to a file, not to standard output.",
+)
 @domain_option
 @interruptible
 def command(
-    *, file: str, view: str, format_: str | None, out: str | None, domain_file: str | None
+    *, file: str, view: str, format_: str | None, out: Path | None, domain_file: str | None
 ) -> None:
     """Draw how a sketch works, and why it terminates or does not.
 
@@ -60,11 +65,10 @@ def command(
     from sketchlang.analysis.termination import decide_termination
 
     if format_ is None:
-        format_ = SUFFIXES.get(Path(out).suffix.lower()) if out else "dot"
+        format_ = SUFFIXES.get(out.suffix.lower()) if out else "dot"
         if format_ is None:
             fail(f"{out}: no format has this suffix; add --format svg, dot or mermaid")
-    if out is not None:
-        look_ahead(out)
+    check_outputs([], {"--out": out})
     verdict = decide_termination(model)
     writers = {"svg": svg.write, "dot": dot.write, "mermaid": mermaid.write}
     try:
@@ -74,4 +78,6 @@ def command(
     if out is None:
         click.echo(text, nl=False)
     else:
-        write_file(out, text)
+        from sketchlang.files import write_text
+
+        write_text(out, text)

@@ -7,13 +7,12 @@ from pathlib import Path
 import click
 
 from sketchlang.cli.common import (
+    Number,
     check_outputs,
     fail,
     interruptible,
     load_named,
-    not_nan,
     trace_options,
-    write_file,
 )
 
 
@@ -37,8 +36,7 @@ Examples:
 @click.option("--mp4", type=click.Path(path_type=Path, dir_okay=False), help="Write a film.")
 @click.option(
     "--speed",
-    type=click.FloatRange(0.1, 100),
-    callback=not_nan,
+    type=Number(0.1, 100),
     default=8.0,
     show_default=True,
     help="Of the film, times real time.",
@@ -70,7 +68,7 @@ def command(
     if html is None and png is None and mp4 is None and trace is None:
         fail("nothing to write: give --html, --png, --mp4 or --trace")
     outputs = {"--html": html, "--png": png, "--mp4": mp4, "--trace": trace}
-    check_outputs((file, scene, robot, sketch), outputs, folders=["--png"])
+    check_outputs((file, scene, robot, sketch), outputs, folders=("--png",))
     try:
         if mp4 is not None:
             from runtime.show.pictures import check_film
@@ -84,8 +82,9 @@ def command(
             click.echo(f"trace written to {trace}")
         if html is not None:
             from runtime.show.page import page
+            from sketchlang.files import write_text
 
-            write_file(str(html), page(found))
+            write_text(html, page(found))
             click.echo(f"replay written to {html}")
         if png is not None:
             from runtime.show.pictures import write_pictures
@@ -97,4 +96,4 @@ def command(
             write_film(found, mp4, speed)
             click.echo(f"film written to {mp4}")
     except InputError as error:
-        fail(str(error))
+        fail(error)

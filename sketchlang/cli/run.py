@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from sketchlang.cli.common import (
+    Number,
     check_outputs,
     domain_option,
     fail,
     interruptible,
     load_valid,
-    not_nan,
 )
 
 if TYPE_CHECKING:
@@ -42,9 +42,8 @@ Examples:
 )
 @click.option(
     "--timeout",
-    type=click.FloatRange(min=0, min_open=True),
+    type=Number(min=0, min_open=True),
     default=300.0,
-    callback=not_nan,
     show_default=True,
     metavar="S",
     help="Seconds of planning.",
@@ -86,7 +85,7 @@ def command(
     try:
         report = _run(loaded, scene, planner, seed, timeout, k_max, robot, out, as_json)
     except (InputError, SceneError) as error:
-        fail(str(error))
+        fail(error)
     except EvaluationError as error:
         fail(f"the sketch cannot be evaluated: {error}")
     if as_json:
@@ -111,6 +110,7 @@ def _run(
     from runtime.solve import open_task
 
     task = open_task(loaded.checked, scene, seed, robot)
+    check_outputs((), {"--out": out})  # again, for what a scene or a robot names was read now
     planner = planner or DEFAULT
     say = Speaker(quiet=as_json)
     say(f"{task.sketch.model.name} on {task.scene}, planner {planner}, seed {seed}")

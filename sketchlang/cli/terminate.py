@@ -4,31 +4,35 @@ from __future__ import annotations
 
 import sys
 import time
+from pathlib import Path
 
 import click
 
 from sketchlang import __version__
 from sketchlang.cli.common import (
     DEEP,
+    Number,
     Places,
+    check_outputs,
     domain_option,
     interruptible,
     load_valid,
-    look_ahead,
-    write_file,
 )
 
 
 @click.command("terminate")
 @click.argument("file", metavar="FILE")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
-@click.option("--certificate", metavar="OUT.json", help="Write the proof to a file.")
 @click.option(
-    "--time-limit", type=click.FloatRange(min=0), metavar="S", help="Give up after S seconds."
+    "--certificate",
+    type=click.Path(path_type=Path, dir_okay=False),
+    metavar="OUT.json",
+    help="Write the proof to a file.",
 )
+@click.option("--time-limit", type=Number(min=0), metavar="S", help="Give up after S seconds.")
 @click.option(
     "--memory-limit",
-    type=click.FloatRange(min=0),
+    type=Number(min=0),
     metavar="MB",
     help="Give up when the whole process is larger than this.",
 )
@@ -38,7 +42,7 @@ def command(
     *,
     file: str,
     as_json: bool,
-    certificate: str | None,
+    certificate: Path | None,
     time_limit: float | None,
     memory_limit: float | None,
     domain_file: str | None,
@@ -59,8 +63,7 @@ def command(
       sketchlang terminate my.sketch --json --time-limit 10
     """
     loaded = load_valid(file, domain_file)
-    if certificate is not None:
-        look_ahead(certificate)
+    check_outputs([], {"--certificate": certificate})
     from sketchlang.analysis import report
     from sketchlang.analysis.limits import Budget
     from sketchlang.analysis.termination import Terminating, decide_termination
@@ -74,8 +77,9 @@ def command(
     proved = isinstance(verdict, Terminating)
     if certificate is not None and isinstance(verdict, Terminating):
         from sketchlang.analysis.certificate import as_text, certificate_of
+        from sketchlang.files import write_text
 
-        write_file(certificate, as_text(certificate_of(model, verdict)))
+        write_text(certificate, as_text(certificate_of(model, verdict)))
     if as_json:
         import json
 

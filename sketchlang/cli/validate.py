@@ -46,7 +46,7 @@ def command(plan: Path, scene: str | None, robot: str | None, as_json: bool) -> 
         certificate = certify(document, load_scene(path, name), load_robot(robot or document.robot))
         seconds = time.perf_counter() - started
     except InputError as error:
-        fail(str(error))
+        fail(error)
     if as_json:
         findings = [
             {"action": finding.action, "message": finding.message}

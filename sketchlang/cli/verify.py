@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 import sys
-from pathlib import Path
 
 import click
 
 from sketchlang.cli.common import DEEP, domain_option, fail, interruptible, load_valid
+from sketchlang.errors import InputError
 from sketchlang.model import SketchModel
+from sketchlang.reading import read_bytes
 
 
 @click.command("verify")
@@ -33,9 +34,9 @@ def command(*, certificate: str, file: str, as_json: bool, domain_file: str | No
       sketchlang verify my.proof.json my.sketch
     """
     try:
-        data = Path(certificate).read_bytes()
-    except OSError as error:
-        fail(f"{certificate}: {error.strerror or error}")
+        data = read_bytes(certificate)
+    except InputError as error:
+        fail(error)
     model = load_valid(file, domain_file).checked.model
     sys.setrecursionlimit(DEEP)
     reason = _reason(data, model)

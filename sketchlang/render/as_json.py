@@ -7,11 +7,11 @@ ends are exclusive.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from typing import Any
 
 from sketchlang.diagnostics import Diagnostic, Label, Severity
+from sketchlang.escape import dumps
 
 
 def place(label: Label) -> dict[str, Any]:
@@ -51,4 +51,4 @@ def render(diagnostics: Sequence[Diagnostic]) -> str:
         "errors": errors,
         "warnings": len(diagnostics) - errors,
     }
-    return json.dumps(value, indent=2, ensure_ascii=False) + "\n"
+    return dumps(value, indent=2) + "\n"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from sketchlang.diagnostics import Diagnostic
+from sketchlang.escape import shown_line
 
 
 def line(diagnostic: Diagnostic) -> str:
@@ -14,7 +15,7 @@ def line(diagnostic: Diagnostic) -> str:
     severity = diagnostic.severity.value
     hint = f" ({diagnostic.hint})" if diagnostic.hint else ""
     text = f"{source.name}:{row}:{column}: {severity}[{diagnostic.code}] {diagnostic.message}{hint}"
-    return " ".join(text.splitlines())
+    return shown_line(" ".join(text.splitlines()))
 
 
 def render(diagnostics: Sequence[Diagnostic]) -> str:

@@ -7,6 +7,7 @@ import sys
 from collections.abc import Sequence
 
 from sketchlang.diagnostics import Diagnostic, Severity
+from sketchlang.escape import shown_line
 from sketchlang.render import full
 
 
@@ -33,7 +34,9 @@ def summary(diagnostics: Sequence[Diagnostic], files: Sequence[str]) -> str:
     errors = sum(found.severity is Severity.ERROR for found in diagnostics)
     warnings = len(diagnostics) - errors
     if not diagnostics:
-        return f"{', '.join(files)}: ok" if len(files) <= 3 else f"{len(files)} files: ok"
+        return (
+            shown_line(f"{', '.join(files)}: ok") if len(files) <= 3 else f"{len(files)} files: ok"
+        )
     parts = [
         f"{number} {word}{'s' if number > 1 else ''}"
         for number, word in ((errors, "error"), (warnings, "warning"))

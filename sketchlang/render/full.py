@@ -14,6 +14,7 @@ import unicodedata
 from collections.abc import Iterable
 
 from sketchlang.diagnostics import Diagnostic, Label, Severity
+from sketchlang.escape import visible
 
 MAX_WIDTH = 120
 """Longer source lines are cut around the place that matters."""
@@ -27,7 +28,7 @@ def render(diagnostic: Diagnostic, colour: bool = False) -> str:
     severity = diagnostic.severity
     tone = _RED if severity is Severity.ERROR else _YELLOW
     title = painter.paint(f"{severity.value}[{diagnostic.code}]", tone)
-    lines = [f"{title}: {painter.paint(diagnostic.message, _BOLD)}"]
+    lines = [f"{title}: {painter.paint(visible(diagnostic.message), _BOLD)}"]
     labels = [(diagnostic.primary, True)] + [(label, False) for label in diagnostic.secondary]
     width = max(len(str(_line(label))) for label, _ in labels)
     pad = " " * width
@@ -41,11 +42,11 @@ def render(diagnostic: Diagnostic, colour: bool = False) -> str:
         arrow = "-->" if name == names[0] else ":::"
         first = here[0][0]
         row, column = first.source.position(first.span.start)
-        lines.append(f"{pad}{painter.paint(arrow, _BLUE)} {name}:{row}:{column}")
+        lines.append(f"{pad}{painter.paint(arrow, _BLUE)} {visible(name)}:{row}:{column}")
         lines.append(f"{pad} {bar}")
         lines.extend(_excerpts(here, pad, bar, tone, painter))
     if diagnostic.hint:
-        lines.append(f"{pad} {painter.paint('=', _BLUE)} hint: {diagnostic.hint}")
+        lines.append(f"{pad} {painter.paint('=', _BLUE)} hint: {visible(diagnostic.hint)}")
     return "\n".join(lines)
 
 
@@ -103,7 +104,7 @@ def _mark(label: Label, primary: bool, shown: tuple[str, int], tone: str, painte
     before = _columns(text[:column])
     length = max(1, _columns(text[column:end]))
     sign = painter.paint(("^" if primary else "-") * length, tone if primary else _BLUE)
-    words = f" {label.text}" if label.text else ""
+    words = f" {visible(label.text)}" if label.text else ""
     return " " * before + sign + painter.paint(words, tone if primary else _BLUE)
 
 

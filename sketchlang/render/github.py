@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from sketchlang.diagnostics import Diagnostic
+from sketchlang.escape import visible
 
 
 def _value(text: str, separators: str = "") -> str:
     """A text as the commands need it; properties must not contain `,` or `:`."""
+    text = visible(text, keep="\r\n")
     for sign in f"%\r\n{separators}":
         text = text.replace(sign, f"%{ord(sign):02X}")
     return text

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import json
+import os
 from collections.abc import Sequence
 from typing import Any
 from urllib.parse import quote
 
 from sketchlang import __version__
 from sketchlang.diagnostics import Diagnostic, Label
+from sketchlang.escape import dumps
 from sketchlang.pages import pages
 
 SCHEMA = (
@@ -39,7 +40,7 @@ def render(diagnostics: Sequence[Diagnostic]) -> str:
             }
         ],
     }
-    return json.dumps(value, indent=2, ensure_ascii=False) + "\n"
+    return dumps(value, indent=2) + "\n"
 
 
 def _result(found: Diagnostic, rule: int) -> dict[str, Any]:
@@ -63,7 +64,7 @@ def _location(label: Label) -> dict[str, Any]:
     end_row, end_column = label.source.position(label.span.end)
     location: dict[str, Any] = {
         "physicalLocation": {
-            "artifactLocation": {"uri": quote(label.source.name)},
+            "artifactLocation": {"uri": quote(os.fsencode(label.source.name))},
             "region": {
                 "startLine": row,
                 "startColumn": column,

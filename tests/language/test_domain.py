@@ -9,7 +9,8 @@ from typing import Any
 import pytest
 
 from sketchlang.domain import Domain, DomainError, Nat
-from sketchlang.loader import LoadError, domains_of_file, load_domain, load_sketch, load_text
+from sketchlang.errors import InputError
+from sketchlang.loader import domains_of_file, load_domain, load_sketch, load_text
 from sketchlang.source import Source
 from sketchlang.types import BOOL, NAT, Type
 
@@ -172,7 +173,7 @@ def test_a_domain_in_a_file(tmp_path: Path) -> None:
 def test_files_that_are_no_domains(tmp_path: Path, text: str, message: str) -> None:
     path = tmp_path / "broken.py"
     path.write_text(text)
-    with pytest.raises(LoadError, match=message):
+    with pytest.raises(InputError, match=message):
         domains_of_file(str(path))
 
 

@@ -25,6 +25,7 @@ from runtime.kernels.boxes import pose_vs_upright
 from runtime.tables import Table, read_toml
 from runtime.world.poses import rotation_from_rpy
 from sketchlang.errors import InputError
+from sketchlang.reading import read_bytes
 
 DEFAULT_TOLERANCE = 0.005
 """Metres; the published tolerance of point goals."""
@@ -65,7 +66,7 @@ def load_scene(path: Path, name: str | None = None) -> Scene:
         objects=tuple(objects),
         goals=goals,
         word=word,
-        digest=hashlib.sha256(path.read_bytes()).hexdigest(),
+        digest=hashlib.sha256(read_bytes(path)).hexdigest(),
     )
 
 

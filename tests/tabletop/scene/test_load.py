@@ -273,7 +273,7 @@ def test_a_missing_file_is_named(tmp_path) -> None:
 
 
 def test_a_folder_is_not_a_scene(tmp_path) -> None:
-    with pytest.raises(InputError, match="cannot be read"):
+    with pytest.raises(InputError, match="is a directory"):
         load_scene(tmp_path)
 
 
