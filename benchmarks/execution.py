@@ -19,7 +19,7 @@ from domains.tabletop.problem import PickPlaceProblem
 from domains.tabletop.scene.load import load_scene
 from domains.tabletop.world import Task
 from runtime.physics.execute import execute
-from runtime.plan.format import Plan
+from runtime.plan.model import Plan
 from runtime.robot.load import DEFAULT_ROBOT, load_robot
 from runtime.search.limits import Limits
 from runtime.search.siw_r import lazy_siiw_r

@@ -173,7 +173,7 @@ def read_json(path: str | Path, limit: int = JSON_LIMIT) -> Any:
     """The data of a JSON file. Raises `InputError` with what is wrong with it."""
     text = read_text(path, limit)
     try:
-        return json.loads(text)
+        return json.loads(text, object_pairs_hook=_object)
     except json.JSONDecodeError as error:
         raise InputError(
             f"is not valid JSON: {error.msg} at line {error.lineno}, column {error.colno}",
@@ -182,6 +182,16 @@ def read_json(path: str | Path, limit: int = JSON_LIMIT) -> Any:
         ) from None
     except (RecursionError, ValueError) as error:  # brackets or digits by the thousand
         raise InputError(f"cannot be read as JSON: {error}", place=str(path)) from None
+
+
+def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """A JSON object; of two values for one key, one would count for nothing."""
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        names = [name for name, _ in pairs]
+        twice = next(name for i, name in enumerate(names) if name in names[:i])
+        raise ValueError(f"the key {twice!r} stands twice in one object")
+    return found
 
 
 def read_xml(path: str | Path, limit: int = CODE_LIMIT) -> Element:

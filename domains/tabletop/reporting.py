@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 from domains.tabletop.actions.document import describe, document
 from domains.tabletop.state import Action, MoveBase
 from domains.tabletop.world import Task
-from runtime.plan.format import Plan, write_plan
+from runtime.plan.model import Plan
+from runtime.plan.write import write_plan
 from runtime.reporting import Profile
 from runtime.search.siw_r import Outcome
 from sketchlang.model import SketchModel

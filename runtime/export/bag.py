@@ -14,8 +14,9 @@ import numpy as np
 
 from runtime.export.messages import NANO
 from runtime.robot.model import Floats
-from runtime.trace.kinematics import Tree, links_at, object_at, pose_of
+from runtime.trace.kinematics import Tree, links_at, object_at
 from runtime.trace.model import WORLD, Trace
+from runtime.world.quaternions import pose_of
 from sketchlang.errors import InputError
 
 RATE = 20.0

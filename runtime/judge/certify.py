@@ -15,8 +15,9 @@ from runtime.judge.geometry import ExactBoxes, Track, close_pairs
 from runtime.judge.goals import unmet
 from runtime.judge.skeleton import Skeleton
 from runtime.motion.motion import ArmMove, BaseMove, GripperMove
-from runtime.plan.format import Plan, PlanAction, TimedPiece
+from runtime.plan.model import Plan, PlanAction, TimedPiece
 from runtime.robot.model import RobotModel
+from runtime.world.quaternions import matrix
 
 Floats = NDArray[np.float64]
 
@@ -108,6 +109,8 @@ class _Replay:
             self.find(None, f"the plan was made for another version of the robot {robot.name}")
         if plan.objects != tuple(thing.name for thing in scene.objects):
             self.find(None, "the plan's objects are not those of the scene")
+        if plan.joints and plan.joints != robot.joints:
+            self.find(None, "the plan's planning joints are not those of the robot")
         off = np.abs(self.base - np.array(scene.robot_start))
         off[2] = abs(wrap(self.base[2] - scene.robot_start[2]))
         if off.max() > JOIN:
@@ -125,22 +128,15 @@ class _Replay:
             )
 
     def _action(self, number: int, action: PlanAction) -> None:
-        attached = released = False
         for timed in action.pieces:
             piece = timed.piece
             before = len(self.findings)
             if isinstance(piece, GripperMove):
-                attached |= piece.attach is not None
-                released |= piece.release is not None
-                self._gripper(number, action, piece)
+                self._gripper(number, piece)
             else:
                 self._travel(number, timed)
             if len(self.findings) > before:
                 return  # what follows a mistake in an action would only repeat it
-        if action.name == "pick" and not attached:
-            self.find(number, f"{action.object} is never gripped")
-        if action.name == "place" and not released:
-            self.find(number, f"{action.object} is never released")
 
     def _travel(self, number: int, timed: TimedPiece) -> None:
         piece = timed.piece
@@ -218,7 +214,8 @@ class _Replay:
         count = 2 + math.ceil(abs(piece.opening - self.opening) / FINGER_STEP)
         opening = np.linspace(self.opening, piece.opening, count)
         base, q = np.tile(self.base, (count, 1)), np.tile(self.q, (count, 1))
-        gripped = piece.attach if piece.attach is not None else piece.release
+        change = piece.attach or piece.release
+        gripped = None if change is None else self.plan.objects.index(change.body)
         self._check_collisions(number, base, q, opening, gripped)
 
     def _check_collisions(
@@ -278,7 +275,7 @@ class _Replay:
         pose: Floats = links[self.robot.urdf_tool][0]
         return pose
 
-    def _gripper(self, number: int, action: PlanAction, piece: GripperMove) -> None:
+    def _gripper(self, number: int, piece: GripperMove) -> None:
         if not -LIMIT_SLACK <= piece.opening <= self.robot.gripper.max_opening + LIMIT_SLACK:
             self.find(number, f"the gripper cannot open {piece.opening:.4f} m")
             return
@@ -286,18 +283,19 @@ class _Replay:
         if piece.attach is not None:
             self._attach(number, piece)
         elif piece.release is not None:
-            self._release(number, action, piece)
+            self._release(number, piece)
         elif self.held is not None and abs(piece.opening - self.opening) > JOIN:
             self.find(number, "the gripper moves while it holds an object")
         self.opening = piece.opening
 
     def _attach(self, number: int, piece: GripperMove) -> None:
         assert piece.attach is not None
-        thing = self.scene.objects[piece.attach]
+        index = self.plan.objects.index(piece.attach.body)
+        thing = self.scene.objects[index]
         if self.held is not None:
             self.find(number, f"{thing.name} is gripped while another object is held")
             return
-        in_tool = np.linalg.inv(self._tool()) @ self.objects[piece.attach]
+        in_tool = np.linalg.inv(self._tool()) @ self.objects[index]
         corners = np.array(
             [
                 in_tool @ [sx * thing.size[0] / 2, sy * thing.size[1] / 2, z, 1.0]
@@ -320,12 +318,13 @@ class _Replay:
         if abs(low[1] + high[1]) / 2 > 2 * PLACE:
             self.find(number, f"{thing.name} is {500 * abs(low[1] + high[1]):.1f} mm off centre")
             return
-        self.held, self.in_tool = piece.attach, in_tool
+        self.held, self.in_tool = index, in_tool
 
-    def _release(self, number: int, action: PlanAction, piece: GripperMove) -> None:
+    def _release(self, number: int, piece: GripperMove) -> None:
         assert piece.release is not None
-        name = self.scene.objects[piece.release].name
-        if self.held != piece.release:
+        name = piece.release.body
+        index = self.plan.objects.index(name)
+        if self.held != index:
             self.find(number, f"{name} is released but not held")
             return
         pose = self._tool() @ self.in_tool
@@ -338,16 +337,16 @@ class _Replay:
             self.find(number, f"{name} is released over no table")
         elif abs(z - surfaces[0].rest) > REST:
             self.find(number, f"{name} is released {1000 * (z - surfaces[0].rest):.1f} mm high")
-        elif action.placement is None:
-            self.find(number, f"the plan does not say where {name} is put")
         else:
-            px, py, _, pyaw = action.placement
+            px, py = piece.release.pose[:2]
+            turn = matrix(piece.release.pose)
+            pyaw = math.atan2(turn[1, 0], turn[0, 0])
             off = math.hypot(px - x, py - y)
             if off > PLACE or abs(wrap(pyaw - yaw)) > 0.01:
                 self.find(
                     number, f"{name} ends {1000 * off:.1f} mm from where the plan says it is put"
                 )
-        self.objects[piece.release] = pose
+        self.objects[index] = pose
         self.held = None
 
     def _check_end(self) -> None:

@@ -1,4 +1,8 @@
-"""Motions: what the robot does between two states, as pieces that are executed in turn."""
+"""Motions: what the robot does between two states, as pieces that are executed in turn.
+
+A piece says by itself what it does to bodies of the world, by their names, so that whoever
+judges, records or executes it needs not know the action that it is of.
+"""
 
 from __future__ import annotations
 
@@ -7,32 +11,61 @@ from dataclasses import dataclass
 from runtime.robot.model import Floats
 
 
+@dataclass(frozen=True)
+class Attach:
+    """From the end of the piece on, a body is fixed to a link, and what stands on it goes with
+    it. `to` is None for the tool link (files of version 1 do not name it)."""
+
+    body: str
+    to: str | None
+
+
+@dataclass(frozen=True, eq=False)
+class Release:
+    """A held body is let go: `pose` (7,) is that of its frame in the world then (x, y, z,
+    quaternion x, y, z, w), `on` the support that it rests on (None: not said)."""
+
+    body: str
+    on: str | None
+    pose: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Carried:
+    """A body that a constraint of its own moves along with the tool (a door, a drawer, a thing
+    that is pushed): world poses (k, 7), one for each way point of the piece."""
+
+    body: str
+    poses: Floats
+
+
 @dataclass(frozen=True, eq=False)
 class BaseMove:
-    """Base poses (k, 3): x, y in metres, heading in radians; turns on the spot and lines."""
+    """Base poses (k, 3): x, y in metres, heading in radians, straight lines in between."""
 
     poses: Floats
+    along: tuple[Carried, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
 class ArmMove:
     """Configurations (p, n) of the planning joints, straight lines in between.
 
-    `kind` is free, approach, lift, lower or retreat.
+    `kind` is free, approach, lift, lower or retreat, or a domain's own word.
     """
 
     path: Floats
     kind: str
+    along: tuple[Carried, ...] = ()
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class GripperMove:
-    """Fingers go to `opening` metres apart; `attach` or `release` names the object that
-    becomes part of the robot or stops being one."""
+    """Fingers go to `opening` metres apart; a body may be fixed to a link or let go then."""
 
     opening: float
-    attach: int | None = None
-    release: int | None = None
+    attach: Attach | None = None
+    release: Release | None = None
 
 
 Piece = BaseMove | ArmMove | GripperMove

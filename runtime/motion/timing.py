@@ -15,8 +15,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from runtime.motion.motion import ArmMove, BaseMove, GripperMove, Motion, Piece
+from runtime.motion.motion import ArmMove, BaseMove, Carried, GripperMove, Motion, Piece
+from runtime.plan.model import TimedPiece
 from runtime.robot.model import Floats, RobotModel
+from runtime.world.quaternions import between
 
 BLEND = 0.02
 """Radians of path around a corner within which the joints change their velocities: what a
@@ -24,6 +26,9 @@ controller rounds off, some tenths of a millimetre at the hand."""
 
 SHORT = 2e-3
 """Seconds; way points that are closer in time are one."""
+
+FINGER_RAMP = 0.2
+"""Share of a gripper piece in which the fingers speed up, and again slow down."""
 
 STEP = 0.1
 """Seconds between the way points of a timed arm path, at most."""
@@ -38,20 +43,46 @@ def trapezoid(distance: float, velocity: float, acceleration: float) -> float:
     return distance / velocity + velocity / acceleration
 
 
-def timed(robot: RobotModel, piece: Piece) -> tuple[Piece, Floats]:
-    """A piece and the seconds from its start at each of its way points (k,), the first 0.
+def timed_motion(
+    robot: RobotModel, motion: Motion, opening: float
+) -> tuple[tuple[TimedPiece, ...], float]:
+    """The pieces of a motion with their times, and how far the fingers are open then, who were
+    `opening` metres apart before."""
+    found = []
+    for piece in motion:
+        found.append(TimedPiece(*timed(robot, piece, opening)))
+        if isinstance(piece, GripperMove):
+            opening = piece.opening
+    return tuple(found), opening
+
+
+def finger_speed(robot: RobotModel) -> float:
+    """Metres a second by which the gripper's opening changes at most, by the limits of the
+    finger joints; where they have none, by the time that the robot file gives for a stroke."""
+    gripper = robot.gripper
+    speeds = [j.velocity for j in robot.urdf.joints.values() if j.name in gripper.joints]
+    if min(speeds, default=0.0) > 0.0:
+        return sum(speeds)
+    return gripper.max_opening / gripper.time
+
+
+def timed(robot: RobotModel, piece: Piece, opening: float) -> tuple[Piece, Floats]:
+    """A piece and the seconds from its start at each of its way points (k,), the first 0; the
+    fingers are `opening` metres apart before it.
 
     Arm paths come back with further way points on the same lines, dense enough in time for
     linear interpolation between them.
     """
     match piece:
-        case BaseMove(poses):
+        case BaseMove(poses, _):
             durations = [_base_duration(robot, a, b) for a, b in pairwise(poses)]
-        case ArmMove(path, kind):
-            path, times = time_path(path, robot.velocity, robot.acceleration)
-            return ArmMove(path, kind), times
-        case GripperMove():
-            durations = [robot.gripper.time]
+        case ArmMove(path, kind, along):
+            limits = robot.velocity, robot.acceleration
+            points, times, places = _time_path(path, *limits)
+            return ArmMove(points, kind, tuple(_carried(c, places) for c in along)), times
+        case GripperMove(goal):
+            stroke = abs(goal - opening) / finger_speed(robot) / (1 - FINGER_RAMP)
+            durations = [max(robot.gripper.time, stroke)]
     return piece, np.concatenate([[0.0], np.cumsum(durations)])
 
 
@@ -62,30 +93,51 @@ def _base_duration(robot: RobotModel, a: Floats, b: Floats) -> float:
     return max(drive, turn)
 
 
+def _carried(carried: Carried, places: Floats) -> Carried:
+    """A carried body at places (k,) along the way points, counted from 0."""
+    last = len(carried.poses) - 1
+    rows = []
+    for place in places:
+        i = min(int(place), max(0, last - 1))
+        rows.append(between(carried.poses[i], carried.poses[min(i + 1, last)], place - i))
+    return Carried(carried.body, np.array(rows))
+
+
 def time_path(path: Floats, velocity: Floats, acceleration: Floats) -> tuple[Floats, Floats]:
     """Way points (k, n) along a polyline (p, n) and their times (k,), from rest to rest.
 
     Limits (n,) are those of the joints; lengths are joint-space distances.
     """
+    points, times, _ = _time_path(path, velocity, acceleration)
+    return points, times
+
+
+def _time_path(
+    path: Floats, velocity: Floats, acceleration: Floats
+) -> tuple[Floats, Floats, Floats]:
+    """The same, and where the new way points (k,) are among the old: 1.5 is half way from the
+    second to the third."""
     lengths = np.linalg.norm(np.diff(path, axis=0), axis=1)
     keep = np.concatenate([[True], lengths > 1e-9])
+    number = np.flatnonzero(keep).astype(np.float64)
     path, lengths = path[keep], lengths[keep[1:]]
     if not len(lengths):
-        return np.vstack([path, path]), np.zeros(2)
+        return np.vstack([path, path]), np.zeros(2), np.zeros(2)
     directions = np.diff(path, axis=0) / lengths[:, None]
     with np.errstate(divide="ignore"):
         fastest = (velocity / np.abs(directions)).min(axis=1)
         hardest = (acceleration / np.abs(directions)).min(axis=1)
     speeds = _speeds(directions, lengths, fastest, hardest, acceleration)
-    points, times, now = [path[0]], [0.0], 0.0
+    points, times, places, now = [path[0]], [0.0], [0.0], 0.0
     for i, length in enumerate(lengths):
         first, last = speeds[i], speeds[i + 1]
         seconds, travelled = _along(length, first, last, fastest[i], hardest[i])
         points += [path[i] + s * directions[i] for s in travelled]
         times += [now + t for t in seconds]
-        points[-1] = path[i + 1]
+        places += [number[i] + (number[i + 1] - number[i]) * s / length for s in travelled]
+        points[-1], places[-1] = path[i + 1], number[i + 1]
         now = times[-1]
-    return np.array(points), np.array(times)
+    return np.array(points), np.array(times), np.array(places)
 
 
 def _speeds(
@@ -137,4 +189,5 @@ def _along(
 
 def duration(robot: RobotModel, motion: Motion) -> float:
     """Seconds that a motion takes."""
-    return float(sum(timed(robot, piece)[1][-1] for piece in motion))
+    pieces, _ = timed_motion(robot, motion, robot.gripper.max_opening)
+    return float(sum(piece.times[-1] for piece in pieces))

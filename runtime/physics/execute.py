@@ -17,8 +17,9 @@ from runtime.physics.recorder import Recorder
 from runtime.physics.simulation import Physics
 from runtime.physics.tracking import Tracking
 from runtime.robot.model import Floats
-from runtime.trace.kinematics import Tree, links_at, matrix, object_at
+from runtime.trace.kinematics import Tree, links_at, object_at
 from runtime.trace.model import Trace
+from runtime.world.quaternions import matrix
 
 SETTLE = 1.0
 """Seconds that objects are given to come to rest, before and after."""

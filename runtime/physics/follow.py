@@ -12,9 +12,9 @@ from runtime.physics.recorder import Recorder
 from runtime.physics.simulation import STEP, Physics
 from runtime.physics.tracking import Tracking
 from runtime.robot.model import Floats
-from runtime.trace.kinematics import matrix
 from runtime.trace.model import Grip, Trace
 from runtime.trace.track import Track
+from runtime.world.quaternions import matrix
 
 GRASP_PATIENCE = 0.5
 """Seconds that the fingers are given to reach the object."""

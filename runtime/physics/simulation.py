@@ -25,8 +25,8 @@ import numpy as np
 from domains.tabletop.scene.model import Scene
 from runtime.physics.bodies import BASE_JOINTS, OBJECT_DENSITY, Materials, robot_urdf
 from runtime.robot.model import Floats
-from runtime.trace.kinematics import matrix
 from runtime.trace.model import TraceRobot
+from runtime.world.quaternions import matrix
 from sketchlang.errors import InputError
 
 STEP = 1 / 240

@@ -17,8 +17,8 @@ from runtime.export.model import boxes
 from runtime.physics.simulation import connect
 from runtime.robot.model import Floats
 from runtime.show.colours import FLOOR
-from runtime.trace.kinematics import pose_of
 from runtime.trace.model import Trace
+from runtime.world.quaternions import pose_of
 from sketchlang.errors import InputError
 from sketchlang.files import replacing, write_bytes
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 
 from domains.tabletop.scene.load import load_scene
-from runtime.plan.format import FORMAT as PLAN_FORMAT
-from runtime.plan.format import read_plan
+from runtime.plan.node import read_json
+from runtime.plan.read import plan_of
+from runtime.plan.write import FORMAT as PLAN_FORMAT
 from runtime.robot.load import load_robot
 from runtime.trace.make import trace_of_plan
 from runtime.trace.model import Trace
-from runtime.trace.node import read_json
 from runtime.trace.read import trace_of
 from runtime.trace.sketch import load_trace_sketch
 from sketchlang.library import find_scene
@@ -28,7 +28,7 @@ def load_trace(
     data = read_json(path)
     if not isinstance(data.value, dict) or data.value.get("format") != PLAN_FORMAT:
         return trace_of(data)
-    plan = read_plan(path)
+    plan = plan_of(data)
     scene_path, name = find_scene(scene or plan.scene)
     return trace_of_plan(
         plan,

@@ -10,9 +10,10 @@ import numpy as np
 from domains.tabletop.scene.model import Scene
 from runtime.angles import wrap
 from runtime.motion.motion import ArmMove, BaseMove, GripperMove
-from runtime.plan.format import Plan, PlanAction, TimedPiece
+from runtime.motion.timing import FINGER_RAMP
+from runtime.plan.model import Plan, PlanAction, TimedPiece
 from runtime.robot.model import Floats, RobotModel
-from runtime.trace.kinematics import Tree, matrix, pose_of
+from runtime.trace.kinematics import Tree
 from runtime.trace.model import (
     WORLD,
     Grip,
@@ -24,6 +25,7 @@ from runtime.trace.model import (
     TraceSubgoal,
 )
 from runtime.trace.track import TrackBuilder
+from runtime.world.quaternions import matrix, pose_of
 from sketchlang.errors import InputError
 
 JOIN = 1e-3
@@ -154,11 +156,9 @@ class _Maker:
         for number, action in enumerate(self.plan.actions):
             start = self.now
             for i, timed in enumerate(action.pieces):
-                self._piece(timed, action, f"actions[{number}].pieces[{i}]")
+                self._piece(timed, f"actions[{number}].pieces[{i}]")
             actions.append(
-                TraceAction(
-                    action.name, action.subgoal, action.object, action.placement, start, self.now
-                )
+                TraceAction(action.name, action.subgoal, *_handled(action), start, self.now)
             )
         return Trace(
             source="plan",
@@ -210,18 +210,18 @@ class _Maker:
             message, place=f"{self.plan.path}: {where}", hint="`sketchlang validate` says more"
         )
 
-    def _piece(self, timed: TimedPiece, action: PlanAction, where: str) -> None:
+    def _piece(self, timed: TimedPiece, where: str) -> None:
         marks = self.now + timed.times
         match timed.piece:
-            case BaseMove(poses):
+            case BaseMove(poses, _):
                 self._drive(poses, marks, where)
-            case ArmMove(path, _):
+            case ArmMove(path, _, _):
                 self._reach(path, marks, where)
             case GripperMove() as piece:
-                # Bounded acceleration, which the plan does not prescribe: half up, half down.
-                self.opening.line(marks[0], marks[-1], np.array([piece.opening]), 0.5)
+                opening = np.array([piece.opening])
+                self.opening.line(float(marks[0]), float(marks[-1]), opening, FINGER_RAMP)
                 start, self.now = self.now, float(marks[-1])
-                self._grip(piece, action, start, where)
+                self._grip(piece, start, where)
         self.now = float(marks[-1])
 
     def _join(self, jump: Floats, where: str) -> None:
@@ -254,25 +254,46 @@ class _Maker:
         self._join(np.abs(path[0] - self.joints.value), where)
         self.joints.through(path, marks)
 
-    def _grip(self, piece: GripperMove, action: PlanAction, start: float, where: str) -> None:
+    def _grip(self, piece: GripperMove, start: float, where: str) -> None:
         if piece.attach is None and piece.release is None:
             return
         links = self.tree.links(self.base.value, self.joints.value, float(self.opening.value[0]))
-        tool, name = links[self.robot.tool], str(action.object)
+        tool = links[self.robot.tool]
+        names = self.plan.objects
         if piece.attach is not None:
+            name = piece.attach.body
             if self.held is not None:
                 raise self._fail(where, f"{name} is gripped while another object is held")
-            self.held = piece.attach
-            world = matrix(self.objects[piece.attach][-1].poses[0])
+            self.held = names.index(name)
+            world = matrix(self.objects[self.held][-1].poses[0])
             in_tool = pose_of(np.linalg.inv(tool) @ world)
-            self.objects[piece.attach].append(_still(self.now, self.robot.tool, in_tool))
+            self.objects[self.held].append(_still(self.now, self.robot.tool, in_tool))
         else:
-            if self.held is None or self.held != piece.release:
+            assert piece.release is not None
+            name = piece.release.body
+            if self.held is None or names[self.held] != name:
                 raise self._fail(where, f"{name} is released but not held")
             in_tool = matrix(self.objects[self.held][-1].poses[0])
             self.objects[self.held].append(_still(self.now, WORLD, pose_of(tool @ in_tool)))
             self.held = None
         self.grips.append(Grip(start, self.now, name, piece.attach is not None))
+
+
+def _handled(
+    action: PlanAction,
+) -> tuple[str | None, tuple[float, float, float, float] | None]:
+    """The body that an action grips or lets go, and where it is put."""
+    thing = placement = None
+    for timed in action.pieces:
+        piece = timed.piece
+        if isinstance(piece, GripperMove) and piece.attach is not None:
+            thing = piece.attach.body
+        if isinstance(piece, GripperMove) and piece.release is not None:
+            thing = piece.release.body
+            x, y, z = piece.release.pose[:3].tolist()
+            turn = matrix(piece.release.pose)
+            placement = (x, y, z, math.atan2(turn[1, 0], turn[0, 0]))
+    return thing, placement
 
 
 def _still(start: float, frame: str, pose: Floats) -> Span:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from runtime.plan.format import LONGEST
+from runtime.plan.node import LONGEST, Node, index_of, name_of, poses_of, read_json
 from runtime.robot.model import Floats
 from runtime.trace.model import (
     WORLD,
@@ -19,7 +19,6 @@ from runtime.trace.model import (
     TraceSketch,
     TraceSubgoal,
 )
-from runtime.trace.node import Node, index_of, name_of, poses_of, read_json
 from runtime.trace.read_robot import robot_of
 from runtime.trace.read_scene import scene_of
 from runtime.trace.track import Track

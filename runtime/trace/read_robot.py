@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from runtime.plan.node import Node, poses_of
 from runtime.robot.urdf import Box, Joint, Urdf
-from runtime.trace.kinematics import matrix
 from runtime.trace.model import WORLD, TraceRobot
-from runtime.trace.node import Node, poses_of
 from runtime.world.poses import Pose
+from runtime.world.quaternions import matrix
 
 
 def robot_of(node: Node) -> TraceRobot:

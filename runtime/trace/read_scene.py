@@ -13,7 +13,7 @@ from domains.tabletop.scene.model import (
     UprightBox,
     WordGoal,
 )
-from runtime.trace.node import Node, index_of, name_of
+from runtime.plan.node import Node, index_of, name_of
 
 
 def scene_of(node: Node) -> Scene:

@@ -10,9 +10,9 @@ import numpy as np
 
 from domains.tabletop.scene.model import Goal, PoseGoal, Scene, UprightBox
 from runtime.robot.model import Floats
-from runtime.trace.kinematics import pose_of
 from runtime.trace.model import Span, Trace, TraceRobot, TraceSketch
 from runtime.trace.track import Track
+from runtime.world.quaternions import pose_of
 from sketchlang.files import write_text
 
 FORMAT = "sketchlang-trace"

@@ -151,7 +151,7 @@ def load_named(file: Path, scene: str | None, robot: str | None, sketch: str | N
 
 
 def _refuse_for_traces(file: Path, options: list[str]) -> None:
-    from runtime.trace.node import read_json
+    from runtime.plan.node import read_json
     from runtime.trace.write import FORMAT
 
     if not options:

@@ -36,7 +36,7 @@ def command(plan: Path, scene: str | None, robot: str | None, as_json: bool) -> 
     try:
         from domains.tabletop.scene.load import load_scene
         from runtime.judge.certify import certify
-        from runtime.plan.format import read_plan
+        from runtime.plan.read import read_plan
         from runtime.robot.load import load_robot
         from sketchlang.library import find_scene
 
@@ -76,6 +76,6 @@ def command(plan: Path, scene: str | None, robot: str | None, as_json: bool) -> 
             where = "plan" if finding.action is None else f"action {finding.action + 1}"
             if finding.action is not None:
                 action = document.actions[finding.action]
-                where += f" ({action.name} {action.object or ''})".replace(" )", ")")
+                where += f" ({action.text})"
             click.echo(f"  {where}: {finding.message}")
     raise SystemExit(0 if certificate.valid else 1)

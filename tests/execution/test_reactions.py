@@ -21,9 +21,10 @@ from runtime.physics.follow import ARM_BRAKING, Follower
 from runtime.physics.recorder import Recorder
 from runtime.physics.simulation import Physics
 from runtime.robot.load import built_in_robots, load_robot
-from runtime.trace.kinematics import Tree, links_at, matrix
+from runtime.trace.kinematics import Tree, links_at
 from runtime.trace.model import Grip, Trace, TraceAction
 from runtime.trace.sketch import load_trace_sketch
+from runtime.world.quaternions import matrix
 from sketchlang.compile import compile_sketch
 from sketchlang.library import find_scene
 from sketchlang.loader import load_sketch

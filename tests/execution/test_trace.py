@@ -12,14 +12,15 @@ from click.testing import CliRunner
 
 from runtime.judge.skeleton import Skeleton
 from runtime.motion.motion import ArmMove, BaseMove
-from runtime.plan.format import read_plan
+from runtime.plan.node import Node
+from runtime.plan.read import read_plan
 from runtime.robot.load import built_in_robots, load_robot
-from runtime.trace.kinematics import Tree, links_at, matrix, object_at, pose_of
+from runtime.trace.kinematics import Tree, links_at, object_at
 from runtime.trace.load import load_trace
-from runtime.trace.node import Node
 from runtime.trace.read import read_trace, trace_of
 from runtime.trace.track import TrackBuilder
 from runtime.trace.write import to_json, write_trace
+from runtime.world.quaternions import matrix, pose_of
 from sketchlang.cli.replay import command as replay
 from sketchlang.errors import InputError
 

@@ -8,7 +8,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from runtime.plan.format import Plan, read_plan
+from runtime.plan.model import Plan
+from runtime.plan.read import read_plan
 
 Json = dict[str, Any]
 
@@ -31,6 +32,12 @@ def pieces(data: Json, kind: str) -> Iterator[tuple[int, int, Json]]:
 def actions(data: Json, name: str) -> list[int]:
     """Numbers of the actions of a name."""
     return [i for i, action in enumerate(data["actions"]) if action["name"] == name]
+
+
+def released(action: Json) -> Json:
+    """What an action lets go, and where."""
+    found: Json = next(p["release"] for p in action["pieces"] if "release" in p)
+    return found
 
 
 def changed(data: Json) -> Json:

@@ -229,7 +229,7 @@ def test_motions_start_and_end_at_home_and_go_on_where_they_were(crowded) -> Non
     for before, after in itertools.pairwise(arm):
         assert after.path[0] == pytest.approx(before.path[-1])
     attached = [p.attach for p in motion if isinstance(p, GripperMove) and p.attach is not None]
-    assert attached == [action.object]
+    assert [a.body for a in attached] == [crowded.task.scene.objects[action.object].name]
 
 
 def test_the_same_question_has_the_same_motion_whatever_was_asked_before(crowded, tmp_path) -> None:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from domains.tabletop.state import Action, MoveBase, Pick, Place
 from domains.tabletop.world import Task
 from runtime.motion import timing
-from runtime.plan.format import Plan, PlanAction, PlanSubgoal, TimedPiece
+from runtime.plan.model import Plan, PlanAction, PlanSubgoal
 from runtime.search.siw_r import Outcome
 from sketchlang import __version__
 from sketchlang.model import SketchModel
@@ -19,6 +21,7 @@ def document(task: Task, model: SketchModel, outcome: Outcome, planner: str, see
     objects = tuple(thing.name for thing in task.scene.objects)
     actions: list[PlanAction] = []
     subgoals: list[PlanSubgoal] = []
+    opening = task.robot.gripper.max_opening
     for number, subgoal in enumerate(outcome.subgoals):
         subgoals.append(
             PlanSubgoal(
@@ -34,10 +37,9 @@ def document(task: Task, model: SketchModel, outcome: Outcome, planner: str, see
             )
         )
         for action, motion in zip(subgoal.actions, subgoal.motions, strict=True):
-            pieces = tuple(TimedPiece(*timing.timed(task.robot, piece)) for piece in motion)
-            thing = None if isinstance(action, MoveBase) else objects[action.object]
-            placement = _placement(task, action)
-            actions.append(PlanAction(NAMES[type(action)], number, thing, placement, pieces))
+            pieces, opening = timing.timed_motion(task.robot, motion, opening)
+            name, text = NAMES[type(action)], describe(task, action)
+            actions.append(PlanAction(name, text, number, pieces, arguments(task, action)))
     return Plan(
         sketch=model.name,
         scene=task.scene.name,
@@ -50,15 +52,25 @@ def document(task: Task, model: SketchModel, outcome: Outcome, planner: str, see
         base_start=task.initial.base.pose,
         subgoals=tuple(subgoals),
         actions=tuple(actions),
+        joints=task.robot.joints,
         tool_version=__version__,
     )
 
 
-def _placement(task: Task, action: Action) -> tuple[float, float, float, float] | None:
-    if not isinstance(action, Place):
-        return None
-    x, y, yaw = action.placement.pose
-    return x, y, task.scene.surfaces[action.placement.surface].rest, yaw
+def arguments(task: Task, action: Action) -> dict[str, Any]:
+    """The arguments of an action as plain data, exact: poses in the planner's whole steps."""
+    match action:
+        case MoveBase(target):
+            return {"base": list(target)}
+        case Pick(index, grasp):
+            return {"object": task.scene.objects[index].name, "grasp": list(grasp)}
+        case Place(index, placement):
+            surface = task.scene.surfaces[placement.surface].name
+            return {
+                "object": task.scene.objects[index].name,
+                "surface": surface,
+                "placement": [placement.x, placement.y, placement.yaw],
+            }
 
 
 def describe(task: Task, action: Action) -> str:

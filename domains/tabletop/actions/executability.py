@@ -34,10 +34,11 @@ from runtime.kernels.boxes import to_base_frame
 from runtime.motion import rrt
 from runtime.motion.arm_context import ArmContext
 from runtime.motion.base import BaseRoads, drive, footprint
-from runtime.motion.motion import ArmMove, BaseMove, GripperMove, Motion
+from runtime.motion.motion import ArmMove, Attach, BaseMove, GripperMove, Motion, Release
 from runtime.robot.model import Body, Floats
 from runtime.search.profile import Profile
-from runtime.world.poses import invert
+from runtime.world.poses import invert, upright
+from runtime.world.quaternions import pose_of
 
 REACH = 1.3
 """Metres around the base axis within which boxes matter to the arm."""
@@ -218,6 +219,10 @@ class Executor:
     def _manipulate(self, question: _Question, reach: Reach, picks: bool) -> Motion | None:
         robot = self.task.robot
         index, placement, grasp = question.target
+        name = self.task.scene.objects[index].name
+        surface = self.task.scene.surfaces[placement.surface]
+        x, y, yaw = placement.pose
+        stands = pose_of(upright(x, y, surface.rest, yaw))
         box = held_box(self.task.shapes[index], invert(reach.grasp))
         empty = ArmContext(robot, robot.body(reach.opening), question.with_object)
         full = ArmContext(robot, robot.body(reach.closed, box), question.others)
@@ -233,7 +238,7 @@ class Executor:
                 GripperMove(reach.opening),
                 ArmMove(there, "free"),
                 ArmMove(reach.approach, "approach"),
-                GripperMove(reach.closed, attach=index),
+                GripperMove(reach.closed, Attach(name, robot.urdf_tool)),
                 ArmMove(reach.lift, "lift"),
                 ArmMove(reach.retreat, "retreat"),
                 ArmMove(back, "free"),
@@ -242,7 +247,7 @@ class Executor:
             ArmMove(back[::-1].copy(), "free"),
             ArmMove(reach.retreat[::-1].copy(), "approach"),
             ArmMove(reach.lift[::-1].copy(), "lower"),
-            GripperMove(reach.opening, release=index),
+            GripperMove(reach.opening, release=Release(name, surface.name, stands)),
             ArmMove(reach.approach[::-1].copy(), "retreat"),
             ArmMove(there[::-1].copy(), "free"),
         )

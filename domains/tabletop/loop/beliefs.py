@@ -14,8 +14,8 @@ from domains.tabletop.features.goals import turn_error
 from domains.tabletop.loop.sensing import Seen, heading
 from domains.tabletop.scene.model import Scene
 from runtime.robot.model import Floats
-from runtime.trace.kinematics import matrix
 from runtime.trace.make import start_pose
+from runtime.world.quaternions import matrix
 
 STEADY = 0.002
 """Metres, in the plane, by which an object may be seen beside where it is expected."""

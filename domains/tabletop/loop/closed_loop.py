@@ -27,9 +27,9 @@ from runtime.physics.simulation import Physics
 from runtime.robot.model import RobotModel
 from runtime.search.guide import Guide
 from runtime.search.limits import Limits
-from runtime.trace.kinematics import pose_of
 from runtime.trace.make import Start, trace_of_plan, trace_robot
 from runtime.trace.model import Trace, TraceAction, TraceSketch
+from runtime.world.quaternions import pose_of
 from sketchlang.compile import CompiledSketch
 
 PLANNING = 60.0

@@ -13,7 +13,7 @@ from domains.tabletop.world import Task
 from runtime.physics.execute import standing_on
 from runtime.physics.simulation import Physics
 from runtime.robot.model import Floats
-from runtime.trace.kinematics import matrix
+from runtime.world.quaternions import matrix
 
 LOOKS = 9
 """Measurements that are averaged while the robot stands still."""

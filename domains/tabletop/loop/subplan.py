@@ -7,7 +7,7 @@ import numpy as np
 from domains.tabletop.actions.document import document
 from domains.tabletop.problem import PickPlaceProblem
 from domains.tabletop.state import State
-from runtime.plan.format import Plan
+from runtime.plan.model import Plan
 from runtime.search.guide import Guide, Subgoal
 from runtime.search.limits import Limits, OutOfTimeError
 from runtime.search.query import Effort

@@ -19,9 +19,9 @@ from runtime.motion.arm_context import CONTACT_MARGIN, ArmContext
 from runtime.motion.timing import time_path
 from runtime.robot.model import Floats, RobotModel
 from runtime.robot.urdf import Box
-from runtime.trace.kinematics import matrix
 from runtime.trace.model import WORLD, Trace
 from runtime.trace.track import Track, TrackBuilder
+from runtime.world.quaternions import matrix
 
 SAMPLE = 0.05
 """Seconds between the configurations of a trace that are tested; in between, collision tests

@@ -98,7 +98,7 @@ def test_a_path_that_goes_nowhere_takes_no_time() -> None:
 def test_the_base_turns_and_drives_from_rest_to_rest() -> None:
     base = ROBOT.base
     poses = np.array([[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 0.0, 1.5]])
-    piece, times = timing.timed(ROBOT, BaseMove(poses))
+    piece, times = timing.timed(ROBOT, BaseMove(poses), 0.0)
     assert isinstance(piece, BaseMove)
     assert piece.poses is poses
     drive = timing.trapezoid(2.0, base.velocity, base.acceleration)

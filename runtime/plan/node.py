@@ -1,7 +1,11 @@
-"""Plain data taken apart so that every complaint names the place in the file."""
+"""Plain data taken apart so that every complaint names the place in the file.
+
+Plans and traces are read with it.
+"""
 
 from __future__ import annotations
 
+import difflib
 import json
 from collections.abc import Iterator
 from pathlib import Path
@@ -9,10 +13,15 @@ from typing import Any
 
 import numpy as np
 
-from runtime.plan.format import LARGEST
-from runtime.robot.model import Floats
+from runtime.world.poses import Floats
 from sketchlang import reading
 from sketchlang.errors import InputError
+
+LARGEST = 1e6
+"""Metres, radians or seconds: no number in a plan or a trace is beyond."""
+
+LONGEST = 36_000.0
+"""Seconds that a plan or a trace may take: ten hours."""
 
 
 def read_json(path: Path) -> Node:
@@ -41,6 +50,18 @@ class Node:
         if key not in data:
             raise self.fail(f"the key {key!r} is missing")
         return Node(data[key], self.file, f"{self.where}.{key}" if self.where else key)
+
+    def get(self, key: str) -> Node | None:
+        """The value of a key that may be left out; None where it is."""
+        return self[key] if key in self._of(dict, "an object") else None
+
+    def only(self, *keys: str) -> None:
+        """Refuse an object that has other keys: most are misspelt, and would count for nothing."""
+        for key in self._of(dict, "an object"):
+            if key not in keys:
+                close = difflib.get_close_matches(key, keys, 1)
+                hint = f"did you mean {close[0]!r}?" if close else None
+                raise self.fail(f"unknown key {key!r}", hint)
 
     def items(self) -> Iterator[tuple[str, Node]]:
         """Keys and values of an object."""
@@ -134,7 +155,16 @@ def index_of(node: Node, count: int, what: str) -> int:
 
 def poses_of(node: Node, count: int) -> Floats:
     """Poses (count, 7): x, y, z and a unit quaternion x, y, z, w."""
-    poses = node.numbers((count, 7))
+    return _unit(node, node.numbers((count, 7)))
+
+
+def one_pose_of(node: Node) -> Floats:
+    """One pose (7,)."""
+    pose: Floats = _unit(node, node.numbers((7,))[None])[0]
+    return pose
+
+
+def _unit(node: Node, poses: Floats) -> Floats:
     length = np.linalg.norm(poses[:, 3:], axis=1)
     if np.abs(length - 1).max() > 1e-3:
         raise node.fail("the last four numbers of a pose must be a unit quaternion")

@@ -16,27 +16,25 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import runtime
-from runtime.motion.motion import ArmMove, BaseMove, GripperMove
-from runtime.plan.format import (
-    Plan,
-    PlanAction,
-    PlanSubgoal,
-    TimedPiece,
-    read_plan,
-    to_json,
-    write_plan,
-)
+from runtime.motion.motion import ArmMove, Attach, BaseMove, Carried, GripperMove, Release
+from runtime.plan.model import Plan, PlanAction, PlanSubgoal, TimedPiece
+from runtime.plan.read import read_plan
+from runtime.plan.write import to_json, write_plan
 from sketchlang.cli.validate import command as validate
 from sketchlang.errors import InputError
-from tests.runtime.plans import Json, actions, parse, pieces
+from tests.runtime.plans import Json, parse, pieces
 
 
 def small_plan() -> Plan:
     """Every kind of action and piece, with values that survive six places."""
     drive = TimedPiece(BaseMove(np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])), np.array([0, 1.5]))
-    reach = TimedPiece(ArmMove(np.array([[0.1, 0.2], [0.3, 0.4]]), "free"), np.array([0.0, 2.25]))
-    grip = TimedPiece(GripperMove(0.04, attach=1), np.array([0.0, 0.5]))
-    release = TimedPiece(GripperMove(0.05, release=1), np.array([0.0, 0.5]))
+    path = np.array([[0.1, 0.2], [0.3, 0.4]])
+    reach = TimedPiece(ArmMove(path, "free"), np.array([0.0, 2.25]))
+    door = Carried("door", np.array([[0.0, 0, 0, 0, 0, 0, 1], [1.0, 0, 0, 0, 0, 0, 1]]))
+    pull = TimedPiece(ArmMove(path[::-1], "pull", (door,)), np.array([0.0, 1.0]))
+    grip = TimedPiece(GripperMove(0.04, Attach("tea pot ☕", "hand")), np.array([0.0, 0.5]))
+    stands = Release("tea pot ☕", "table", np.array([1.0, 2.0, 0.767, 0.0, 0.0, 0.6, 0.8]))
+    release = TimedPiece(GripperMove(0.05, release=stands), np.array([0.0, 0.5]))
     return Plan(
         sketch="small",
         scene="scene",
@@ -49,10 +47,11 @@ def small_plan() -> Plan:
         base_start=(0.5, -0.25, 3.0),
         subgoals=(PlanSubgoal("take", {"H": 0}, {"H": 1}, 3, 10, 20, 1, 2, {"motion_plan": 4}),),
         actions=(
-            PlanAction("move_base", 0, None, None, (drive,)),
-            PlanAction("pick", 0, "tea pot ☕", None, (reach, grip)),
-            PlanAction("place", 0, "tea pot ☕", (1.0, 2.0, 0.767, -1.5), (reach, release)),
+            PlanAction("move_base", "drive", 0, (drive,), {"base": [1, 0, 0]}),
+            PlanAction("pick", "pick the tea pot", 0, (reach, grip), {"object": "tea pot ☕"}),
+            PlanAction("place", "put it down", 0, (reach, release, pull)),
         ),
+        joints=("lift", "elbow"),
         tool_version="0.1.0",
     )
 
@@ -64,11 +63,19 @@ def test_what_is_written_is_read_again(tmp_path) -> None:
     assert to_json(found) == to_json(small_plan())
     grip = found.actions[1].pieces[1].piece
     assert isinstance(grip, GripperMove)
-    assert (grip.attach, grip.release) == (1, None)
+    assert (grip.attach, grip.release) == (Attach("tea pot ☕", "hand"), None)
+    letting = found.actions[2].pieces[1].piece
+    assert isinstance(letting, GripperMove)
+    assert letting.release is not None
+    assert letting.release.on == "table"
+    assert letting.release.pose == pytest.approx([1.0, 2.0, 0.767, 0.0, 0.0, 0.6, 0.8])
+    pull = found.actions[2].pieces[2].piece
+    assert isinstance(pull, ArmMove)
+    assert pull.along[0].body == "door"
 
 
 def test_execution_time_is_the_sum_of_the_pieces() -> None:
-    assert small_plan().execution_time == 1.5 + 2 * 2.25 + 2 * 0.5
+    assert small_plan().execution_time == 1.5 + 2 * 2.25 + 2 * 0.5 + 1.0
 
 
 def test_a_produced_plan_survives_reading_and_writing(plan_file, tmp_path) -> None:
@@ -105,14 +112,12 @@ def documented(heading: str) -> set[str]:
 def test_a_produced_plan_has_the_documented_keys(plan_data) -> None:
     assert set(plan_data) == documented("Plan files")
     assert all(set(subgoal) == documented("Subgoals") for subgoal in plan_data["subgoals"])
-    keys = documented("Actions")
-    for action in plan_data["actions"]:
-        missing = {"move_base": {"object", "placement"}, "pick": {"placement"}, "place": set()}
-        assert set(action) == keys - missing[action["name"]]
+    assert all(set(action) == documented("Actions") for action in plan_data["actions"])
 
 
 def test_pieces_of_a_produced_plan_are_as_documented(plan_data) -> None:
-    assert documented("Pieces") - {"type"} == {"base", "arm", "gripper"}
+    extras = {"type", "along", "attach", "release"}
+    assert documented("Pieces") - extras == {"base", "arm", "gripper"}
     keys = {
         "base": {"type", "times", "poses"},
         "arm": {"type", "times", "path", "kind"},
@@ -130,12 +135,17 @@ def test_pieces_of_a_produced_plan_are_as_documented(plan_data) -> None:
 
 
 def test_units_and_frames_of_a_produced_plan_are_as_documented(plan_data, robot, sticks) -> None:
-    """Metres, radians, seconds, the scene's frame: placements on the wanted tables."""
-    for number in actions(plan_data, "place"):
-        x, y, z, heading = plan_data["actions"][number]["placement"]
-        surface = next(s for s in sticks.surfaces if s.contains(x, y))
-        assert z == surface.rest
-        assert 0 <= heading < 2 * np.pi + 1e-6
+    """Metres, radians, seconds, the scene's frame: releases on the wanted tables."""
+    supports = {support.name: support for support in sticks.world.supports}
+    for _, _, piece in pieces(plan_data, "gripper"):
+        if "release" in piece:
+            x, y, z = piece["release"]["pose"][:3]
+            support = supports[piece["release"]["on"]]
+            assert z == pytest.approx(support.pose[2, 3])
+            assert np.hypot(*(support.pose[:2, 3] - [x, y])) < np.hypot(*support.half)
+        if "attach" in piece:
+            assert piece["attach"]["to"] == robot.urdf_tool
+    assert plan_data["robot"]["joints"] == list(robot.joints)
     for _, _, piece in pieces(plan_data, "arm"):
         assert np.shape(piece["path"])[1] == len(robot.joints)
         assert len(piece["path"]) == len(piece["times"])
@@ -181,7 +191,7 @@ def test_a_cut_off_plan_is_called_so(tmp_path, plan_file) -> None:
 Change = Callable[[Json], Any]
 DAMAGE: dict[str, tuple[Change, str]] = {
     "older version": (lambda d: d.update(version=0), "version"),
-    "newer version": (lambda d: d.update(version=2), "version"),
+    "newer version": (lambda d: d.update(version=3), "version"),
     "version as text": (lambda d: d.update(version="1"), "version"),
     "another format": (lambda d: d.update(format="sketchlang-actions"), "format"),
     "no format": (lambda d: d.pop("format"), "format"),
@@ -194,11 +204,32 @@ DAMAGE: dict[str, tuple[Change, str]] = {
     "start as text": (lambda d: d.update(base_start=["0", "1", "2"]), "base_start"),
     "start that is infinite": (lambda d: d.update(base_start=[0, 1, 1e400]), "base_start"),
     "objects that are numbers": (lambda d: d.update(objects=[1, 2]), "objects"),
-    "unknown action": (lambda d: d["actions"][0].update(name="fly"), "actions[0].name"),
+    "name that is a number": (lambda d: d["actions"][0].update(name=1), "actions[0].name"),
+    "unknown key": (lambda d: d["actions"][0].update(peices=[]), "actions[0]: unknown key"),
+    "unknown key of a grip": (
+        lambda d: d["actions"][1]["pieces"][1].update(atach={}),
+        "actions[1].pieces[1]: unknown key 'atach'",
+    ),
+    "joint twice": (lambda d: d["robot"]["joints"].append("lift"), "robot.joints[2]"),
+    "object twice": (lambda d: d["objects"].append("cup"), "objects[2]"),
     "action that is a number": (lambda d: d["actions"].insert(0, 3), "actions[0]"),
-    "unknown object": (lambda d: d["actions"][1].update(object="pan"), "actions[1].object"),
-    "no object": (lambda d: d["actions"][1].pop("object"), "object"),
-    "placement of three": (lambda d: d["actions"][2].update(placement=[1, 2, 3]), "placement"),
+    "unknown object": (
+        lambda d: d["actions"][1]["pieces"][1]["attach"].update(body="pan"),
+        "actions[1].pieces[1].attach.body",
+    ),
+    "no object": (lambda d: d["actions"][1]["pieces"][1]["attach"].pop("body"), "attach"),
+    "pose of three": (
+        lambda d: d["actions"][2]["pieces"][1]["release"].update(pose=[1, 2, 3]),
+        "release.pose",
+    ),
+    "pose that is no rotation": (
+        lambda d: d["actions"][2]["pieces"][1]["release"].update(pose=[1, 2, 3, 0, 0, 0, 2]),
+        "release.pose",
+    ),
+    "carried poses that are too few": (
+        lambda d: d["actions"][2]["pieces"][2]["along"][0]["poses"].pop(),
+        "along[0].poses",
+    ),
     "subgoal that is not there": (lambda d: d["actions"][0].update(subgoal=1), "subgoal"),
     "negative subgoal": (lambda d: d["actions"][0].update(subgoal=-1), "subgoal"),
     "feature value with a fraction": (
@@ -242,14 +273,10 @@ DAMAGE: dict[str, tuple[Change, str]] = {
     ),
     "attach as text": (lambda d: d["actions"][1]["pieces"][1].update(attach="no"), "attach"),
     "attach and release": (
-        lambda d: d["actions"][1]["pieces"][1].update(release=True),
-        "pieces[1]",
-    ),
-    "a base move that grips": (
-        lambda d: d["actions"][0]["pieces"].append(
-            {"type": "gripper", "times": [0, 1], "opening": 0, "attach": True}
+        lambda d: d["actions"][1]["pieces"][1].update(
+            release={"body": "cup", "on": None, "pose": [0, 0, 0, 0, 0, 0, 1]}
         ),
-        "actions[0].pieces[1]",
+        "pieces[1]",
     ),
 }
 
@@ -282,6 +309,7 @@ TEXTS = {
     "nested too deeply": b"[" * 200_000,
     "thousands of digits": b'{"seed": 1' + b"0" * 5000 + b"}",
     "twice": b"{}{}",
+    "a key twice": b'{"format": "sketchlang-plan", "format": "sketchlang-plan"}',
 }
 
 
