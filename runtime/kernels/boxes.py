@@ -190,24 +190,36 @@ def _face_gap(  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def to_base_frame(world, x, y, yaw, reach):  # type: ignore[no-untyped-def]
-    """The upright boxes within `reach` (in the plane) of a base pose, in the base frame."""
-    c = math.cos(yaw)
-    s = math.sin(yaw)
-    out = np.empty_like(world)
+def within_reach(world, x, y, reach):  # type: ignore[no-untyped-def]
+    """Indices of the upright boxes (w, 8) within `reach`, in the plane, of a position."""
+    found = np.empty(world.shape[0], dtype=np.int64)
     count = 0
     for i in range(world.shape[0]):
         dx = world[i, 0] - x
         dy = world[i, 1] - y
-        # Distance from the base to the footprint of the box.
+        # Distance from the position to the footprint of the box.
         lx = max(abs(world[i, 6] * dx + world[i, 7] * dy) - world[i, 3], 0.0)
         ly = max(abs(world[i, 6] * dy - world[i, 7] * dx) - world[i, 4], 0.0)
-        if lx * lx + ly * ly > reach * reach:
-            continue
-        out[count, 0] = c * dx + s * dy
-        out[count, 1] = c * dy - s * dx
-        out[count, 2:6] = world[i, 2:6]
-        out[count, 6] = c * world[i, 6] + s * world[i, 7]
-        out[count, 7] = c * world[i, 7] - s * world[i, 6]
-        count += 1
-    return out[:count].copy()
+        if lx * lx + ly * ly <= reach * reach:
+            found[count] = i
+            count += 1
+    return found[:count]
+
+
+@njit(cache=True)
+def to_base_frame(world, x, y, yaw, reach):  # type: ignore[no-untyped-def]
+    """The upright boxes within `reach` (in the plane) of a base pose, in the base frame."""
+    near = within_reach(world, x, y, reach)
+    c = math.cos(yaw)
+    s = math.sin(yaw)
+    out = np.empty((near.shape[0], 8))
+    for k in range(near.shape[0]):
+        i = near[k]
+        dx = world[i, 0] - x
+        dy = world[i, 1] - y
+        out[k, 0] = c * dx + s * dy
+        out[k, 1] = c * dy - s * dx
+        out[k, 2:6] = world[i, 2:6]
+        out[k, 6] = c * world[i, 6] + s * world[i, 7]
+        out[k, 7] = c * world[i, 7] - s * world[i, 6]
+    return out

@@ -151,19 +151,15 @@ def solve(origins, prismatic, lower, upper, tool, target, q, iterations):  # typ
 
 @njit(cache=True)
 def first_free(  # type: ignore[no-untyped-def]
-    origins, prismatic, lower, upper, tool, target, seeds, first, iterations,
-    box_frame, box_pose, box_half, box_radius, pairs, world, margin,
-):  # fmt: skip
+    chain, lower, upper, tool, target, seeds, first, iterations, body, obstacles, margin
+):
     """Solve from the seeds (s, n), in place, from number `first` on, until a solution is free
     of collision: its number, or -1. All seeds in one call: most of them fail."""
     frames = np.empty((seeds.shape[1] + 1, 3, 4))
-    placed = np.empty((box_frame.shape[0], 3, 4))
+    placed = np.empty((body.frame.shape[0], 3, 4))
     for i in range(first, seeds.shape[0]):
         if solve(
-            origins, prismatic, lower, upper, tool, target, seeds[i], iterations
-        ) and not collides(
-            origins, prismatic, box_frame, box_pose, box_half, box_radius, pairs, world, margin,
-            seeds[i], frames, placed,
-        ):  # fmt: skip
+            chain.origins, chain.prismatic, lower, upper, tool, target, seeds[i], iterations
+        ) and not collides(chain, body, obstacles, margin, seeds[i], frames, placed):
             return i
     return -1

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from runtime.kernels import arm
+from runtime.kernels.convex import Obstacles, boxes_only
 from runtime.robot.model import HELD_EXTENT, Body, Floats, RobotModel
 
 FREE_MARGIN = 0.004
@@ -18,24 +19,31 @@ CONTACT_MARGIN = 0.001
 
 @dataclass(frozen=True, eq=False)
 class ArmContext:
-    """A robot with a body (fingers open or holding) among boxes in its base frame (w, 8)."""
+    """A robot with a body (fingers open or holding) among obstacles in its base frame; upright
+    boxes (w, 8) will do for them."""
 
     robot: RobotModel
     body: Body
-    world: Floats
+    around: Obstacles | Floats
+    obstacles: Obstacles = field(init=False)
     _frames: Floats = field(init=False)
     _placed: Floats = field(init=False)
     sweep: Floats = field(init=False)
 
     def __post_init__(self) -> None:
+        around = self.around
+        obstacles = around if isinstance(around, Obstacles) else boxes_only(around)
+        object.__setattr__(self, "obstacles", obstacles)
         object.__setattr__(self, "_frames", np.empty((len(self.robot.joints) + 1, 3, 4)))
         object.__setattr__(self, "_placed", np.empty((len(self.body.frame), 3, 4)))
         object.__setattr__(self, "sweep", self._enlarged_sweep())
 
     def _enlarged_sweep(self) -> Floats:
-        """The robot's sweep, enlarged where the last box, a held one, sticks out further."""
+        """The robot's sweep, enlarged where a held part sticks out further than most."""
         robot, body = self.robot, self.body
-        extent = float(np.linalg.norm(body.pose[-1, :, 3]) + body.radius[-1])
+        moving = body.frame == len(robot.joints)
+        reach = np.linalg.norm(body.pose[moving, :, 3], axis=1) + body.radius[moving]
+        extent = float(reach.max(initial=0.0))
         beyond = extent - float(np.linalg.norm(robot.tool[:, 3])) - HELD_EXTENT
         if beyond <= 0.0:
             return robot.sweep
@@ -44,13 +52,15 @@ class ArmContext:
         return sweep
 
     def collides(self, q: Floats, margin: float = FREE_MARGIN) -> bool:
-        """Whether the arm at q (n,) touches the world or itself."""
+        """Whether the arm at q (n,) touches an obstacle or itself."""
         hit: bool = arm.collides(
-            *self.robot.chain, *self.body, self.world, margin, q, self._frames, self._placed
+            self.robot.chain, self.body, self.obstacles, margin, q, self._frames, self._placed
         )
         return hit
 
     def path_is_free(self, path: Floats, margin: float = FREE_MARGIN) -> bool:
         """Whether the polyline of configurations (p, n) is free, in between as well."""
-        hit = arm.path_collides(*self.robot.chain, *self.body, self.world, margin, self.sweep, path)
+        hit = arm.path_collides(
+            self.robot.chain, self.body, self.obstacles, margin, self.sweep, path
+        )
         return bool(hit < 0)

@@ -10,12 +10,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import pairwise, product
 
 import numpy as np
 
 from runtime.angles import wrap
 from runtime.kernels import arm, plane
+from runtime.kernels.convex import CYLINDER, HULL
 from runtime.robot.model import Body, Floats, RobotModel
 
 MARGIN = 0.01
@@ -24,6 +25,24 @@ MARGIN = 0.01
 CORNER = 1.002 / math.cos(math.pi / 8)
 """Way points stand around the corners of obstacles, two a corner, this factor outside their
 clearance: so the lines between neighbours just pass, around a corner and along a side."""
+
+
+SIGNS = np.array(list(product((-1.0, 1.0), repeat=3)))
+"""The corners of a box of half extents 1."""
+
+SIDES = 32
+ROUND = np.array(
+    [
+        (
+            math.cos(angle) / math.cos(math.pi / SIDES),
+            math.sin(angle) / math.cos(math.pi / SIDES),
+            z,
+        )
+        for angle in np.arange(SIDES) * (2 * math.pi / SIDES)
+        for z in (-1.0, 1.0)
+    ]
+)
+"""Corners of a prism around a cylinder of radius 1 and half height 1."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,20 +65,32 @@ def footprint(robot: RobotModel, body: Body) -> Footprint:
     """The rings of a robot in its home posture."""
     placed = np.empty((len(body.frame), 3, 4))
     arm.place_boxes(robot.frames(robot.home), body.frame, body.pose, placed)
-    signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
-    corners = (
-        np.einsum("bij,bkj->bki", placed[:, :, :3], signs[None] * body.half[:, None])
-        + placed[:, None, :, 3]
-    )
-    return Footprint(
-        np.column_stack(
-            [
-                corners[:, :, 2].min(axis=1),
-                corners[:, :, 2].max(axis=1),
-                np.hypot(corners[:, :, 0], corners[:, :, 1]).max(axis=1),
-            ]
+    rings = []
+    for i, pose in enumerate(placed):
+        points, rounding = outline(body, i)
+        points = points @ pose[:, :3].T + pose[:, 3]
+        rings.append(
+            (
+                points[:, 2].min() - rounding,
+                points[:, 2].max() + rounding,
+                np.hypot(points[:, 0], points[:, 1]).max() + rounding,
+            )
         )
-    )
+    return Footprint(np.array(rings))
+
+
+def outline(body: Body, part: int) -> tuple[Floats, float]:
+    """Points (k, 3), in the frame of a part, and a radius: the convex hull of balls of that
+    radius around the points holds the part."""
+    index = body.shape[part]
+    if index < 0:
+        return SIGNS * body.half[part], 0.0
+    kind, *size, rounding, first, count = body.shapes.solids[index].tolist()
+    if kind == HULL:
+        return body.shapes.vertices[int(first) : int(first + count)], rounding
+    if kind == CYLINDER:
+        return ROUND * [size[0], size[0], size[2]], rounding
+    return SIGNS * size, rounding
 
 
 class BaseRoads:

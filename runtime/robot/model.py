@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from runtime.kernels import arm
+from runtime.kernels.convex import EXACT, NO_SHAPES, Shapes
 from runtime.robot.urdf import Box, Urdf
 from runtime.world.poses import Pose, compose
 
@@ -25,13 +26,16 @@ class Chain(NamedTuple):
 
 
 class Body(NamedTuple):
-    """Boxes fixed to the frames of a chain, as `runtime.kernels.arm` takes them."""
+    """Parts fixed to the frames of a chain, as `runtime.kernels.arm` takes them: a box around
+    each, and the index of its shape, or `runtime.kernels.convex.EXACT` for a box."""
 
     frame: Ints  # (m,)
     pose: Floats  # (m, 3, 4)
     half: Floats  # (m, 3)
     radius: Floats  # (m,)
     pairs: Ints  # (k, 2)
+    shape: Ints  # (m,)
+    shapes: Shapes
 
 
 HELD_EXTENT = 0.3
@@ -157,6 +161,8 @@ class RobotModel:
             half,
             np.linalg.norm(half, axis=1),
             np.array(pairs, dtype=np.int64).reshape(-1, 2),
+            np.full(len(frames), EXACT),
+            NO_SHAPES,
         )
 
     def _finger_pose(self, index: int, offset: float) -> Pose:

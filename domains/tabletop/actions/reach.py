@@ -114,7 +114,7 @@ class ReachSolver:
         number = -1
         while True:
             number = ik.first_free(
-                *robot.chain,
+                robot.chain,
                 robot.lower,
                 robot.upper,
                 robot.tool,
@@ -122,8 +122,8 @@ class ReachSolver:
                 starts,
                 number + 1,
                 ITERATIONS,
-                *empty.body,
-                with_object,
+                empty.body,
+                empty.obstacles,
                 CONTACT_MARGIN,
             )
             if number < 0:

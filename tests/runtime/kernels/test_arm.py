@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from runtime.kernels import arm
+from runtime.kernels.convex import boxes_only
 from runtime.motion.arm_context import ArmContext
 from runtime.robot import load
 from runtime.robot.model import RobotModel
@@ -125,7 +126,7 @@ def test_a_collision_is_at_most_the_margin_away(robot, held, rng) -> None:
         q = random_q(robot, rng)
         if context.collides(q, margin):
             hits += 1
-            gap = arm_distance(robot.chain, body, context.world, q)
+            gap = arm_distance(robot.chain, body, context.around, q)
             assert gap <= math.sqrt(3.0) * margin + 1e-5
     assert 0 < hits < 150
 
@@ -134,14 +135,14 @@ def test_the_robot_does_not_collide_in_its_home_posture(robot) -> None:
     for opening in (0.0, robot.gripper.max_opening):
         context = ArmContext(robot, robot.body(opening), np.empty((0, 8)))
         assert not context.collides(robot.home)
-        assert not arm_touches(robot.chain, context.body, context.world, robot.home)
+        assert not arm_touches(robot.chain, context.body, context.around, robot.home)
 
 
 def test_boxes_of_the_base_meet_the_world_in_body_collides_only(robot) -> None:
     world = np.array([reference.upright_row(np.array([0.0, 0.0, 0.1]), np.full(3, 0.05), 0.0)])
     body = robot.body(0.05)
     placed = np.array(reference.placed_boxes(robot.chain, body, robot.home))
-    assert arm.body_collides(placed, body.half, body.radius, world, 0.0)
+    assert arm.body_collides(body, placed, boxes_only(world), 0.0)
     assert not ArmContext(robot, body, world).collides(robot.home)
 
 
@@ -157,7 +158,7 @@ def test_paths_that_pass_keep_half_the_margin_in_between(robot, held, rng) -> No
         if context.path_is_free(path, margin):
             free += 1
             for q in along(path, 25):
-                gap = arm_distance(robot.chain, body, context.world, q)
+                gap = arm_distance(robot.chain, body, context.around, q)
                 assert gap >= margin / 2 - 1e-5
     assert free
 
@@ -173,7 +174,7 @@ def test_paths_are_refused_for_something_within_reach_of_the_margin(robot, held,
         path[1] = path[0] + (path[1] - path[0]) * 0.2
         if not context.path_is_free(path, margin):
             refused += 1
-            gaps = [arm_distance(robot.chain, body, context.world, q) for q in along(path, 200)]
+            gaps = [arm_distance(robot.chain, body, context.around, q) for q in along(path, 200)]
             assert min(gaps) <= math.sqrt(3.0) * margin + 0.005
     assert refused
 
@@ -187,7 +188,7 @@ def test_the_segment_that_collides_is_named(robot) -> None:
     free = robot.home - 0.2 * nudge
     path = np.array([free, robot.home - 0.1 * nudge, free, robot.home + nudge])
     context = ArmContext(robot, body, world)
-    found = arm.path_collides(*robot.chain, *body, context.world, 0.004, robot.sweep, path)
+    found = arm.path_collides(robot.chain, body, context.obstacles, 0.004, robot.sweep, path)
     assert found == 2
 
 
@@ -224,6 +225,6 @@ def test_paths_with_a_long_pole_keep_half_the_margin_in_between(robot, rng) -> N
         if context.path_is_free(path, margin):
             free += 1
             for q in along(path, 25):
-                gap = arm_distance(robot.chain, body, context.world, q)
+                gap = arm_distance(robot.chain, body, context.around, q)
                 assert gap >= margin / 2 - 1e-5
     assert free

@@ -102,8 +102,8 @@ def test_the_first_free_solution_is_that_of_trying_one_after_the_other(robot, rn
         number = -1
         for i, q in [*expected, (-1, None)]:
             number = ik.first_free(
-                *robot.chain, robot.lower, robot.upper, robot.tool, target, seeds, number + 1, 60,
-                *body, world, 0.001,
+                robot.chain, robot.lower, robot.upper, robot.tool, target, seeds, number + 1, 60,
+                body, context.obstacles, 0.001,
             )  # fmt: skip
             assert number == i
             if q is not None:

@@ -47,7 +47,7 @@ def test_paths_touch_nothing_in_exact_geometry(cluttered, rng) -> None:
         assert np.all(path >= robot.lower - 1e-9)
         assert np.all(path <= robot.upper + 1e-9)
         for q in along(path, 15):
-            assert not arm_touches(robot.chain, cluttered.body, cluttered.world, q)
+            assert not arm_touches(robot.chain, cluttered.body, cluttered.around, q)
     assert bent
 
 
