@@ -110,7 +110,7 @@ class Task:
 
     def reachable_sites(self, xy: Floats, rest: float) -> Ints:
         """Bits of the headings (S,) from which the robot could grasp at sites (S, 2)."""
-        workspace = self.robot.workspace
+        workspace = self.robot.annulus
         height = rest + min(shape.grasp_height for shape in self.shapes)
         bits: Ints = swept.reachable_headings(
             xy,

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from runtime.export.messages import NANO
+from runtime.export.messages import NANO, finger_motion
 from runtime.robot.model import Floats
 from runtime.trace.kinematics import Tree, links_at, object_at
 from runtime.trace.model import WORLD, Trace
@@ -86,13 +86,14 @@ def _messages(trace: Trace, types: Any, time: float) -> Iterator[tuple[str, Any]
     joints, speeds = (rows[0] for rows in trace.joints.at(now))
     opening, widening = (rows[0] for rows in trace.opening.at(now))
     fingers = trace.robot.fingers
+    values, velocities = finger_motion(trace.robot, opening[0], widening[0])
     yield (
         "/joint_states",
         types["sensor_msgs/msg/JointState"](
             header(stamp, ""),
             [*trace.robot.joints, *fingers],
-            np.concatenate([joints, np.repeat(opening / len(fingers), len(fingers))]),
-            np.concatenate([speeds, np.repeat(widening / len(fingers), len(fingers))]),
+            np.concatenate([joints, values]),
+            np.concatenate([speeds, velocities]),
             np.zeros(0),
         ),
     )

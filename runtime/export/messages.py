@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from runtime.robot.model import Floats
-from runtime.trace.model import Trace
+from runtime.trace.model import Trace, TraceRobot
 from runtime.trace.track import Track
 from runtime.trace.write import rounded
 
@@ -21,17 +21,28 @@ def trajectories(trace: Trace) -> dict[str, Any]:
     cubic through both (as ROS 2's joint trajectory controller does) moves as the trace does.
     """
     fingers = trace.robot.fingers
-    share = 1 / len(fingers)
     opening = trace.opening
-    finger_track = Track(
-        opening.times,
-        np.repeat(opening.values * share, len(fingers), axis=1),
-        np.repeat(opening.velocities * share, len(fingers), axis=1),
-    )
+    values, velocities = finger_motion(trace.robot, opening.values[:, 0], opening.velocities[:, 0])
+    finger_track = Track(opening.times, values, velocities)
     return {
         "arm": joint_trajectory(trace.robot.joints, trace.joints),
         "gripper": joint_trajectory(fingers, finger_track),
     }
+
+
+def finger_motion(robot: TraceRobot, opening: Floats, speed: Floats) -> tuple[Floats, Floats]:
+    """Values and velocities (k, m) of the finger joints for openings (k,) that change at some
+    speed (k,)."""
+    step = 1e-4
+    values = robot.finger_values(opening)
+    low = robot.finger_values(opening - step)
+    high = robot.finger_values(opening + step)
+    # At the ends of the table the joints stop on one side: the slope is that of the other.
+    span = np.clip(opening + step, *robot.openings[[0, -1]]) - np.clip(
+        opening - step, *robot.openings[[0, -1]]
+    )
+    slope = (high - low) / np.maximum(span, 1e-9)[..., None]
+    return values, slope * np.asarray(speed)[..., None]
 
 
 def joint_trajectory(names: tuple[str, ...], track: Track) -> dict[str, Any]:

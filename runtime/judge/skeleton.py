@@ -73,8 +73,7 @@ class Skeleton:
         root[:, 0, 0], root[:, 0, 1], root[:, 0, 3] = c, -s, base[:, 0]
         root[:, 1, 0], root[:, 1, 1], root[:, 1, 3] = s, c, base[:, 1]
         values = {name: q[:, i] for i, name in enumerate(self.robot.joints)}
-        for name in self.robot.gripper.joints:
-            values[name] = np.full(count, opening / len(self.robot.gripper.joints))
+        values |= self.robot.gripper.joint_values(np.broadcast_to(opening, count))
         for name, value in self.robot.fixed.items():
             values[name] = np.full(count, value)
         links = {self.root: root}

@@ -12,7 +12,8 @@ from xml.etree import ElementTree as Xml
 import numpy as np
 
 from runtime.robot.model import Floats
-from runtime.robot.urdf import Box, Joint
+from runtime.robot.shapes import Shape
+from runtime.robot.urdf import Joint
 from runtime.trace.kinematics import joint_motion
 from runtime.trace.model import TraceRobot
 
@@ -93,7 +94,7 @@ def _origin(parent: Xml.Element, pose: Floats) -> None:
     Xml.SubElement(parent, "origin", xyz=_numbers(pose[:, 3]), rpy=_numbers(_rpy(pose[:, :3])))
 
 
-def _link(root: Xml.Element, name: str, boxes: tuple[Box, ...]) -> None:
+def _link(root: Xml.Element, name: str, boxes: tuple[Shape, ...]) -> None:
     link = Xml.SubElement(root, "link", name=name)
     mass, centre, inertia = _inertia(boxes)
     inertial = Xml.SubElement(link, "inertial")
@@ -110,7 +111,7 @@ def _link(root: Xml.Element, name: str, boxes: tuple[Box, ...]) -> None:
             Xml.SubElement(geometry, "box", size=_numbers(2 * box.half))
 
 
-def _inertia(boxes: tuple[Box, ...]) -> tuple[float, Floats, Floats]:
+def _inertia(boxes: tuple[Shape, ...]) -> tuple[float, Floats, Floats]:
     """Mass, centre of mass and inertia (3, 3) about it, of solid boxes."""
     masses = np.array([8 * float(np.prod(box.half)) * LINK_DENSITY for box in boxes])
     total = float(masses.sum())

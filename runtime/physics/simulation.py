@@ -151,8 +151,9 @@ class Physics:
         start = np.concatenate([self.scene.robot_start, robot.home])
         for index, value in zip(self._motors, start, strict=True):
             b.resetJointState(body, index, float(value))
-        for index in self._fingers:
-            b.resetJointState(body, index, robot.max_opening / len(self._fingers))
+        open_ = robot.finger_values(np.array(robot.max_opening)).tolist()
+        for index, value in zip(self._fingers, open_, strict=True):
+            b.resetJointState(body, index, value)
         return body
 
     # -- what moves ----------------------------------------------------------------------------
@@ -178,7 +179,7 @@ class Physics:
             self.body,
             self._fingers,
             b.POSITION_CONTROL,
-            targetPositions=[max(0.0, wanted) / fingers] * fingers,
+            targetPositions=self.robot.finger_values(np.array(wanted)).tolist(),
             positionGains=[0.1] * fingers,
             velocityGains=[1.0] * fingers,
             forces=[self.materials.finger_force] * fingers,
@@ -271,7 +272,8 @@ class Physics:
 
     def opening(self) -> float:
         """How far the fingers are apart."""
-        return float(sum(s[0] for s in self.bullet.getJointStates(self.body, self._fingers)))
+        states = self.bullet.getJointStates(self.body, self._fingers)
+        return self.robot.opening_of([state[0] for state in states])
 
     def object_pose(self, index: int) -> Floats:
         """World pose (7,) of the middle of an object's bottom."""

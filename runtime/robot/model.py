@@ -1,7 +1,8 @@
-"""A mobile manipulator as the planner sees it: a chain, its boxes, a gripper, a base."""
+"""A robot as the planner sees it: a chain, its parts, a gripper, a base."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -11,8 +12,14 @@ from numpy.typing import NDArray
 
 from runtime.kernels import arm
 from runtime.kernels.convex import EXACT, NO_SHAPES, Shapes
+from runtime.robot.gripper import FingerPart, Gripper
+from runtime.robot.shapes import Shape
 from runtime.robot.urdf import Box, Urdf
+from runtime.world import solids
+from runtime.world.body import Part
+from runtime.world.packed import pack_shapes
 from runtime.world.poses import Pose, compose
+from runtime.world.solids import Solid
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -42,38 +49,27 @@ HELD_EXTENT = 0.3
 """Metres from the tool frame to the farthest corner of a held object, at most."""
 
 
-@dataclass(frozen=True)
-class PlacedBox:
-    """A collision box, the frame it moves with and the link it belongs to."""
+@dataclass(frozen=True, eq=False)
+class PlacedShape:
+    """A collision shape in the frame it moves with, and the link it belongs to. Fingers are at
+    their closed ends."""
 
     link: str
     frame: int
-    box: Box
-
-
-@dataclass(frozen=True)
-class Gripper:
-    """A parallel gripper. Fingers close along y of the tool frame and approach along x.
-
-    `fingers` are (box index, direction of opening along y: +1 or -1). Lengths in metres.
-    """
-
-    fingers: tuple[tuple[int, float], ...]
-    max_opening: float
-    clearance: float
-    time: float
-    links: frozenset[str]
-    joints: tuple[str, ...]
+    shape: Shape
 
 
 @dataclass(frozen=True)
 class MobileBase:
-    """Speed limits of a differential-drive base, m/s, m/s^2, rad/s, rad/s^2."""
+    """How the base moves: `"differential"` (turns and straight lines), `"holonomic"` (any
+    direction at any heading) or `"fixed"`; speed limits in m/s, m/s^2, rad/s, rad/s^2, all 0
+    for a fixed one."""
 
     velocity: float
     acceleration: float
     angular_velocity: float
     angular_acceleration: float
+    type: str = "differential"
 
 
 @dataclass(frozen=True)
@@ -104,12 +100,13 @@ class Strip:
 
 @dataclass(frozen=True, eq=False)
 class RobotModel:
-    """A robot: planning joints (lift and arm) in chain order, boxes, gripper, base.
+    """A robot: planning joints (lift and arm) in chain order, its parts, gripper, base.
 
-    `tool` is the grasp frame in the last frame of the chain. `home` is the posture in which
-    the robot drives. Limits in rad or m, velocities and accelerations a second. `ignored`
-    are pairs of links that may touch, `fixed` the values of movable joints outside the
-    planning group, `urdf_tool` the link whose frame is the tool.
+    `tool` is the grasp frame in the last frame of the chain: x is the direction of approach,
+    y the one in which the fingers close. `home` is the posture in which the robot drives.
+    Limits in rad or m, velocities and accelerations a second. `pairs` are the parts that are
+    tested against each other, `ignored` pairs of links that may touch, `fixed` the values of
+    movable joints outside the planning group, `urdf_tool` the link whose frame is the tool.
     """
 
     name: str
@@ -120,59 +117,77 @@ class RobotModel:
     acceleration: Floats
     chain: Chain
     tool: Pose
-    boxes: tuple[PlacedBox, ...]
+    parts: tuple[PlacedShape, ...]
     pairs: tuple[tuple[int, int], ...]
     gripper: Gripper
+    finger_parts: tuple[FingerPart, ...]
     base: MobileBase
-    workspace: ArmWorkspace
-    strip: Strip
     home: Floats
     ignored: frozenset[frozenset[str]]
     fixed: dict[str, float]
     urdf: Urdf
     urdf_tool: str
     digest: str
+    given_workspace: ArmWorkspace | None = None
+    given_strip: Strip | None = None
 
-    def body(self, opening: float, held: Box | None = None) -> Body:
-        """The robot's boxes with the fingers `opening` metres apart, holding a box or not.
+    @property
+    def strip(self) -> Strip:
+        """What an approach from the side sweeps."""
+        assert self.given_strip is not None
+        return self.given_strip
 
-        The held box is given in the tool frame. It may touch the gripper, nothing else.
+    @property
+    def annulus(self) -> ArmWorkspace:
+        """Where the wrist may be for an approach from the side."""
+        assert self.given_workspace is not None
+        return self.given_workspace
+
+    def body(self, opening: float, held: Box | Sequence[Part] | None = None) -> Body:
+        """The robot's parts with the fingers `opening` metres apart, holding something or not.
+
+        What is held is given in the tool frame, as a box or as the solids of a body. It may
+        touch the gripper, nothing else.
         """
-        frames = [b.frame for b in self.boxes]
-        poses = [b.box.pose for b in self.boxes]
-        halves = [b.box.half for b in self.boxes]
+        frames = [part.frame for part in self.parts]
+        poses = [part.shape.pose for part in self.parts]
+        those: list[Solid] = [part.shape.solid for part in self.parts]
         pairs = list(self.pairs)
-        for index, direction in self.gripper.fingers:
-            poses[index] = self._finger_pose(index, direction * opening / 2)
-        if held is not None:
-            last = len(self.joints)
+        values = np.array([*self.gripper.joint_values(opening).values()])
+        for finger in self.finger_parts:
+            poses[finger.part] = finger.pose(values)
+        held_parts = _held_parts(held)
+        for part in held_parts:
             pairs += [
                 (i, len(frames))
-                for i, placed in enumerate(self.boxes)
+                for i, placed in enumerate(self.parts)
                 if placed.link not in self.gripper.links
             ]
-            frames.append(last)
-            poses.append(compose(self.tool, held.pose))
-            halves.append(held.half)
-        half = np.array(halves)
+            frames.append(len(self.joints))
+            poses.append(compose(self.tool, part.pose))
+            those.append(part.solid)
+        half = np.array([solid.half for solid in those])
+        shape, shapes = self._packed
+        if held_parts:
+            shape, shapes = _pack(those)
         return Body(
             np.array(frames, dtype=np.int64),
             np.array(poses),
             half,
             np.linalg.norm(half, axis=1),
             np.array(pairs, dtype=np.int64).reshape(-1, 2),
-            np.full(len(frames), EXACT),
-            NO_SHAPES,
+            shape,
+            shapes,
         )
 
-    def _finger_pose(self, index: int, offset: float) -> Pose:
-        pose = self.boxes[index].box.pose.copy()
-        pose[:, 3] += self.tool[:, 1] * offset
-        return pose
+    @cached_property
+    def _packed(self) -> tuple[Ints, Shapes]:
+        """The shapes of the robot's own parts, packed."""
+        return _pack([part.shape.solid for part in self.parts])
 
     @cached_property
     def sweep(self) -> Floats:
-        """How far any point of a frame's boxes, a held object included, moves at most for
+        """How far any point of a frame's parts, a held object included, moves at most for
         one unit (rad, m) of each planning joint, shape (n + 1, n); 0 for joints further out."""
         n = len(self.joints)
         lengths = np.linalg.norm(self.chain.origins[:, :, 3], axis=1)
@@ -181,9 +196,7 @@ class RobotModel:
         out = np.zeros((n + 1, n))
         for frame in range(1, n + 1):
             corners = [
-                float(np.linalg.norm(placed.box.pose[:, 3]) + np.linalg.norm(placed.box.half))
-                for placed in self.boxes
-                if placed.frame == frame
+                self._reach_of(i, part) for i, part in enumerate(self.parts) if part.frame == frame
             ]
             extent = max(corners, default=0.0)
             if frame == n:
@@ -197,6 +210,15 @@ class RobotModel:
                     out[frame, joint] = extent + float((lengths + extension)[between].sum())
         return out
 
+    def _reach_of(self, index: int, part: PlacedShape) -> float:
+        """How far a part reaches from the origin of its frame; a finger at any opening."""
+        places = [part.shape.pose]
+        for finger in self.finger_parts:
+            if finger.part == index:
+                places = [finger.pose(values) for values in self.gripper.values]
+        away = max(float(np.linalg.norm(pose[:, 3])) for pose in places)
+        return away + float(np.linalg.norm(part.shape.half))
+
     def frames(self, q: Floats) -> Floats:
         """Poses (n + 1, 3, 4) of all frames in the base frame."""
         out = np.empty((len(self.joints) + 1, 3, 4))
@@ -206,3 +228,21 @@ class RobotModel:
     def tool_pose(self, q: Floats) -> Pose:
         """Pose of the tool frame in the base frame."""
         return compose(self.frames(q)[-1], self.tool)
+
+
+def _held_parts(held: Box | Sequence[Part] | None) -> Sequence[Part]:
+    """What is held as solids in the tool frame."""
+    if isinstance(held, Box):
+        x, y, z = (2 * held.half).tolist()
+        return [Part(solids.Box((x, y, z)), held.pose)]
+    return held or []
+
+
+def _pack(those: Sequence[Solid]) -> tuple[Ints, Shapes]:
+    """The index of each solid in a table of those that are no boxes, and the table."""
+    index = np.full(len(those), EXACT)
+    others = [i for i, solid in enumerate(those) if not isinstance(solid, solids.Box)]
+    if not others:
+        return index, NO_SHAPES
+    index[others] = np.arange(len(others))
+    return index, pack_shapes([those[i] for i in others])

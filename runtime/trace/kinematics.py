@@ -28,7 +28,13 @@ class Tree:
         opening of the gripper."""
         values = dict(self.robot.fixed)
         values.update(zip(self.robot.joints, joints.tolist(), strict=True))
-        values.update(dict.fromkeys(self.robot.fingers, opening / len(self.robot.fingers)))
+        values.update(
+            zip(
+                self.robot.fingers,
+                self.robot.finger_values(np.array(opening)).tolist(),
+                strict=True,
+            )
+        )
         c, s = np.cos(base[2]), np.sin(base[2])
         root = np.array([[c, -s, 0, base[0]], [s, c, 0, base[1]], [0, 0, 1.0, 0], [0, 0, 0, 1.0]])
         found = {self.robot.urdf.root: root}

@@ -78,6 +78,8 @@ def trace_robot(robot: RobotModel) -> TraceRobot:
         tool=robot.urdf_tool,
         gripper_links=tuple(sorted(robot.gripper.links)),
         max_opening=robot.gripper.max_opening,
+        openings=robot.gripper.openings,
+        finger_table=robot.gripper.values,
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,7 +22,8 @@ class TraceRobot:
 
     `joints` are the planning joints in chain order, `fingers` the finger joints, `fixed` the
     values of the other joints, `home` the posture in which it drives, `tool` the link whose
-    frame is the grasp centre (x: approach, y: the fingers open).
+    frame is the grasp centre (x: approach, y: the fingers open). The finger joints have the
+    values `finger_table` (k, m) at the openings (k,), and are interpolated in between.
     """
 
     name: str
@@ -35,6 +36,23 @@ class TraceRobot:
     tool: str
     gripper_links: tuple[str, ...]
     max_opening: float
+    openings: Floats
+    finger_table: Floats
+
+    def finger_values(self, opening: Floats) -> Floats:
+        """Values (..., m) of the finger joints for openings (...)."""
+        columns = [np.interp(opening, self.openings, column) for column in self.finger_table.T]
+        return np.stack(columns, axis=-1)
+
+    def opening_of(self, values: Sequence[float]) -> float:
+        """The opening at which the finger joints have some values (m,): where they do not
+        belong together, the mean of what each of them says."""
+        found = []
+        for value, column in zip(values, self.finger_table.T, strict=True):
+            rises = column[-1] > column[0]
+            xs, ys = (column, self.openings) if rises else (column[::-1], self.openings[::-1])
+            found.append(np.interp(value, xs, ys))
+        return float(np.mean(found))
 
     def joint(self, name: str) -> Joint:
         """The joint of a name."""

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from runtime.plan.node import Node, poses_of
-from runtime.robot.urdf import Box, Joint, Urdf
+from runtime.robot.shapes import Shape
+from runtime.robot.urdf import Joint, Urdf
 from runtime.trace.model import WORLD, TraceRobot
 from runtime.world.poses import Pose
 from runtime.world.quaternions import matrix
+from runtime.world.solids import Box
 
 
 def robot_of(node: Node) -> TraceRobot:
     """The robot that a node of a trace file describes."""
-    boxes: dict[str, tuple[Box, ...]] = {}
+    boxes: dict[str, tuple[Shape, ...]] = {}
     for link in node["links"].each():
         boxes[link["name"].text()] = tuple(
-            Box(box["name"].text(), _pose(box, "pose"), box["size"].numbers((3,)) / 2)
+            Shape(box["name"].text(), _pose(box, "pose"), _box(box["size"]))
             for box in link["boxes"].each()
         )
     joints: dict[str, Joint] = {}
@@ -37,6 +39,8 @@ def robot_of(node: Node) -> TraceRobot:
         raise node["links"].fail(f"no link can have the name {WORLD!r}")
     if node["tool"].text() not in boxes:
         raise node["tool"].fail(f"there is no link {node['tool'].text()!r}")
+    openings = node["openings"].numbers((None,))
+    table = node["finger_values"].numbers((len(openings), len(lists["finger_joints"])))
     return TraceRobot(
         name=node["name"].text(),
         digest=node["digest"].text(),
@@ -48,7 +52,14 @@ def robot_of(node: Node) -> TraceRobot:
         tool=node["tool"].text(),
         gripper_links=tuple(lists["gripper_links"]),
         max_opening=node["max_opening"].number(),
+        openings=openings,
+        finger_table=table,
     )
+
+
+def _box(node: Node) -> Box:
+    x, y, z = node.numbers((3,)).tolist()
+    return Box((x, y, z))
 
 
 def _pose(node: Node, key: str) -> Pose:

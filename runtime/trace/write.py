@@ -217,4 +217,6 @@ def _robot(robot: TraceRobot) -> dict[str, Any]:
         "tool": robot.tool,
         "gripper_links": list(robot.gripper_links),
         "max_opening": round(robot.max_opening, 6),
+        "openings": rounded(robot.openings),
+        "finger_values": rounded(robot.finger_table),
     }

@@ -171,7 +171,7 @@ def test_a_failed_subproblem_is_sampled_more_densely(crowded) -> None:
 
 def test_in_arm_workspace_is_an_annulus_for_the_wrist(crowded, rng) -> None:
     task, executor = crowded.task, crowded.executor
-    workspace = task.robot.workspace
+    workspace = task.robot.annulus
     base = crowded.initial.base
     x, y, yaw = base.pose
     axis = np.array([x, y]) + np.array(

@@ -88,7 +88,7 @@ class Executor:
             return []
         step = self.profile.in_arm_workspace
         with step.timed():
-            workspace = self.task.robot.workspace
+            workspace = self.task.robot.annulus
             x, y, yaw = base.pose
             c, s = np.cos(yaw), np.sin(yaw)
             cx, cy = workspace.centre

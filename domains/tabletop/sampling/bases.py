@@ -48,7 +48,7 @@ class BaseSampler:
         self, placement: Placement, grasp: Grasp, rng: np.random.Generator
     ) -> BasePose | None:
         """A random base pose from which the wrist of a grasp is in the arm's workspace."""
-        workspace = self.task.robot.workspace
+        workspace = self.task.robot.annulus
         x, y, yaw = placement.pose
         heading = yaw + grasp.heading
         wx = x - workspace.wrist_offset * math.cos(heading)

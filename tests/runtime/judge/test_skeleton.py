@@ -18,8 +18,8 @@ def test_boxes_are_where_the_planner_has_them(robot, rng) -> None:
         base = np.eye(4)
         base[:3, :3], base[:2, 3] = turn_z(yaw), (x, y)
         expected = {
-            placed.box.name: base[:3] @ np.vstack([pose, [0, 0, 0, 1]])
-            for placed, pose in zip(robot.boxes, placed_boxes(robot.chain, body, q), strict=True)
+            placed.shape.name: base[:3] @ np.vstack([pose, [0, 0, 0, 1]])
+            for placed, pose in zip(robot.parts, placed_boxes(robot.chain, body, q), strict=True)
         }
         assert {box.name for box in skeleton.boxes} == set(expected)
         for box in skeleton.boxes:

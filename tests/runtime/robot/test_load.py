@@ -58,7 +58,7 @@ def test_a_held_box_is_fixed_to_the_tool_and_may_touch_the_gripper(tmp_path) -> 
     held = len(body.frame) - 1
     assert body.frame[held] == len(robot.joints)
     assert body.pose[held][:, 3] == pytest.approx(robot.tool[:, 3])
-    against = {robot.boxes[i].link for i, j in body.pairs if j == held}
+    against = {robot.parts[i].link for i, j in body.pairs if j == held}
     assert against == {"foot", "mast", "boom"}
 
 
@@ -72,10 +72,10 @@ def test_links_beside_the_chain_move_with_it(tmp_path) -> None:
     )
     toml = TOML + "\n[fixed_joints]\nneck = 0.5\n"
     robot = load_robot(write_robot(tmp_path, toml, urdf))
-    lamp = next(placed for placed in robot.boxes if placed.link == "lamp")
+    lamp = next(placed for placed in robot.parts if placed.link == "lamp")
     assert lamp.frame == 1
-    assert lamp.box.pose[:, 3] == pytest.approx([0.0, 0.0, 0.5])
-    assert lamp.box.pose[:, 0] == pytest.approx([np.cos(0.5), np.sin(0.5), 0.0])
+    assert lamp.shape.pose[:, 3] == pytest.approx([0.0, 0.0, 0.5])
+    assert lamp.shape.pose[:, 0] == pytest.approx([np.cos(0.5), np.sin(0.5), 0.0])
 
 
 def test_the_digest_follows_both_files(tmp_path) -> None:
@@ -87,7 +87,11 @@ def test_the_digest_follows_both_files(tmp_path) -> None:
 
 # -- mistakes ----------------------------------------------------------------------------------
 
-CYLINDER = URDF.replace('<box size="0.1 0.1 0.4"/>', '<cylinder radius="0.1" length="0.4"/>')
+CONE = URDF.replace('<box size="0.1 0.1 0.4"/>', '<cone radius="0.1" length="0.4"/>')
+FLAT = URDF.replace('<box size="0.1 0.1 0.4"/>', '<cylinder radius="0.1"/>')
+DOCTYPE = '<!DOCTYPE robot [<!ENTITY a "aaaa">]>' + URDF
+CIRCLE = URDF.replace('<child link="left"/>', '<child link="left"/><mimic joint="left_finger"/>')
+LOST = URDF.replace('<child link="left"/>', '<child link="left"/><mimic joint="thumb"/>')
 MESH = URDF.replace('<box size="0.1 0.1 0.4"/>', '<mesh filename="mast.stl"/>')
 CYCLE = URDF.replace('<parent link="foot"/>', '<parent link="grasp"/>')
 ISLAND = URDF.replace("</robot>", '<link name="island"/></robot>')
@@ -101,15 +105,15 @@ MISTAKES = {
     "no joints": (TOML.replace('["lift", "swing"]', "[]"), URDF, "joints", "swing"),
     "home outside limits": (TOML.replace("[0.1, 0.0]", "[0.1, 3.0]"), URDF, "home", "swing"),
     "home too short": (TOML.replace("[0.1, 0.0]", "[0.1]"), URDF, "home", "1 values"),
-    "missing key": (TOML.replace('base_link = "foot"\n', ""), URDF, "base_link", "missing"),
+    "missing key": (TOML.replace('tool_link = "grasp"\n', ""), URDF, "tool_link", "missing"),
     "misspelt key": (TOML.replace("clearance", "clearence"), URDF, "clearance", "clearence"),
     "unknown tool": (TOML.replace('"grasp"', '"grisp"'), URDF, "tool_link", "grisp"),
     "unknown base": (TOML.replace('"foot"\n', '"feet"\n'), URDF, "base_link", "feet"),
     "base is not the root": (
         TOML.replace('base_link = "foot"', 'base_link = "mast"').replace('"lift", ', ""),
         URDF,
-        "base_link",
-        "foot",
+        "acceleration",
+        "1 joints",
     ),
     "unknown finger": (TOML.replace('"left_finger"', '"thumb"'), URDF, "finger_joints", "thumb"),
     "unknown gripper link": (TOML.replace('"palm"', '"plam"'), URDF, "links", "plam"),
@@ -125,8 +129,21 @@ MISTAKES = {
     "workspace inside out": (TOML.replace("inner = 0.3", "inner = 0.6"), URDF, "inner", "outer"),
     "missing urdf": (TOML.replace("crane.urdf", "crone.urdf"), URDF, "crone.urdf", "no such file"),
     "urdf is not xml": (TOML, "<robot", "crane.urdf", "XML"),
-    "urdf with a cylinder": (TOML, CYLINDER, "mast", "not a box"),
-    "urdf with a mesh": (TOML, MESH, "mast", "not a box"),
+    "urdf with a cone": (TOML, CONE, "mast", "cone"),
+    "cylinder without a length": (TOML, FLAT, "mast", "length"),
+    "urdf with a mesh that is not there": (TOML, MESH, "mast", "mast.stl"),
+    "urdf with entities": (TOML, DOCTYPE, "crane.urdf", "document type"),
+    "joint that mimics itself": (TOML, CIRCLE, "left_finger", "itself"),
+    "joint that mimics nothing": (TOML, LOST, "left_finger", "thumb"),
+    "no gripper": (
+        TOML.replace("[gripper]", "[gripper_]").replace(
+            'finger_joints = ["left_finger", "right_finger"]', ""
+        ),
+        URDF,
+        "gripper",
+        "gripper",
+    ),
+    "a base of no kind": (TOML.replace("[base]", '[base]\ntype = "legs"'), URDF, "legs", "fixed"),
     "urdf with a cycle": (TOML, CYCLE, "foot", "grasp"),
     "urdf in two parts": (TOML, ISLAND, "island", "foot"),
     "urdf with two parents": (TOML, TWICE, "mast", "again"),
@@ -147,9 +164,9 @@ MISTAKES = {
     "limit is nan": (TOML, URDF.replace('upper="2"', 'upper="nan"'), "swing", "limit"),
     "joint type is not supported": (
         TOML,
-        URDF.replace('"swing" type="revolute"', '"swing" type="planar"'),
+        URDF.replace('"swing" type="revolute"', '"swing" type="planer"'),
         "swing",
-        "planar",
+        "planer",
     ),
     "unknown link": (
         TOML,

@@ -1,0 +1,99 @@
+"""Fingers that slide, turn or follow: the opening is what can be measured between the pads."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from runtime.robot.load import load_robot
+from runtime.robot.outline import outline
+from runtime.world.poses import apply, compose, invert
+from sketchlang.errors import InputError
+from tests.runtime.robot.robots import TOML, URDF, write_robot
+
+MIMIC = URDF.replace(
+    '<joint name="right_finger" type="prismatic">',
+    '<joint name="right_finger" type="prismatic"><mimic joint="left_finger"/>',
+)
+SLIDE, TURN = 'lower="0" upper="0.04"', 'lower="0" upper="0.6"'
+TURNING = (
+    MIMIC.replace('finger" type="prismatic"', 'finger" type="revolute"')
+    .replace(f'<axis xyz="0 1 0"/><limit {SLIDE}', f'<axis xyz="0 0 1"/><limit {TURN}')
+    .replace(f'<axis xyz="0 -1 0"/><limit {SLIDE}', f'<axis xyz="0 0 -1"/><limit {TURN}')
+    .replace('xyz="0.03 ', 'xyz="0.06 ')
+    .replace('size="0.04 ', 'size="0.10 ')
+    .replace('<origin xyz="0.04 0 0"/></joint>', '<origin xyz="0.10 0 0"/></joint>')
+)
+ALONG = URDF.replace('xyz="0 1 0"', 'xyz="1 0 0"').replace('xyz="0 -1 0"', 'xyz="1 0 0"')
+ONE = TOML.replace('["left_finger", "right_finger"]', '["left_finger"]')
+BACKWARDS = (
+    MIMIC.replace('xyz="0 1 0"', 'xyz="0 -1 0"')
+    .replace('lower="0" upper="0.04"', 'lower="-0.04" upper="0"')
+    .replace('<mimic joint="left_finger"/>', '<mimic joint="left_finger" multiplier="-1"/>')
+    .replace(
+        '<axis xyz="0 -1 0"/><limit lower="-0.04"', '<axis xyz="0 -1 0"/><limit lower="-0.04"', 1
+    )
+)
+
+
+def inner_faces(robot, opening: float) -> list[float]:
+    """The least distance from the middle of the fingers' last two centimetres, on both sides."""
+    body = robot.body(opening)
+    back = invert(robot.tool)
+    faces = []
+    for index, side in robot.gripper.fingers:
+        pose = compose(back, body.pose[index])
+        cloud = apply(pose, outline(robot.parts[index].shape.solid))
+        # Inside a box finger: corners alone would miss where its middle is.
+        first, second = np.triu_indices(len(cloud), 1)
+        share = np.linspace(0, 1, 41)[:, None, None]
+        filled = (cloud[first] * share + cloud[second] * (1 - share)).reshape(-1, 3)
+        front = filled[filled[:, 0] > filled[:, 0].max() - 0.02]
+        faces.append(float((front[:, 1] * side).min()))
+    return faces
+
+
+@pytest.mark.parametrize(
+    ("toml", "urdf"),
+    [(TOML, URDF), (TOML, MIMIC), (ONE, MIMIC), (ONE, TURNING), (TOML, BACKWARDS)],
+    ids=["two", "mimic", "driver", "turning", "backwards"],
+)
+def test_pads_are_as_far_apart_as_asked_for(tmp_path, toml, urdf) -> None:
+    robot = load_robot(write_robot(tmp_path, toml, urdf))
+    gripper = robot.gripper
+    assert gripper.min_opening < 1e-3
+    assert 0.05 < gripper.max_opening < 0.2
+    assert gripper.joints == ("left_finger", "right_finger")
+    for opening in np.linspace(gripper.min_opening, gripper.max_opening, 7):
+        faces = inner_faces(robot, float(opening))
+        assert sum(faces) == pytest.approx(opening, abs=3e-3)
+        assert faces[0] == pytest.approx(faces[1], abs=1e-3)
+
+
+def test_turning_fingers_turn(tmp_path) -> None:
+    robot = load_robot(write_robot(tmp_path, ONE, TURNING))
+    values = robot.gripper.joint_values(np.array([0.0, robot.gripper.max_opening]))
+    assert values["left_finger"][1] > 0.5
+    assert (np.diff(robot.gripper.openings) > 0).all()
+    closed, opened = (robot.body(v).pose[robot.finger_parts[0].part] for v in (0.0, 0.05))
+    assert np.linalg.norm(closed[:, :3] - opened[:, :3]) > 0.1
+
+
+@pytest.mark.parametrize(
+    ("toml", "urdf", "word"),
+    [
+        (ONE, URDF, "either side"),
+        (TOML, ALONG, "apart"),
+        (TOML.replace('["left_finger", "right_finger"]', '["tip"]'), URDF, "does not move"),
+    ],
+)
+def test_fingers_that_do_not_close_are_refused(tmp_path, toml, urdf, word) -> None:
+    with pytest.raises(InputError, match=word):
+        load_robot(write_robot(tmp_path, toml, urdf))
+
+
+def test_limits_of_the_gripper_are_optional(tmp_path) -> None:
+    assert load_robot(write_robot(tmp_path)).gripper.payload is None
+    toml = TOML.replace("time = 0.5", "time = 0.5\nmax_force = 40\nmax_torque = 2.5\npayload = 3")
+    gripper = load_robot(write_robot(tmp_path, toml)).gripper
+    assert (gripper.max_force, gripper.max_torque, gripper.payload) == (40.0, 2.5, 3.0)
