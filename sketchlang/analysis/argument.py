@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from sketchlang.analysis.bits import rule_bits
-from sketchlang.analysis.proof import Drop, Node, Potential, Split, Step, Term, Tree
+from sketchlang.analysis.proof import Drop, Node, Potential, Ranks, Split, Step, Term, Tree
 from sketchlang.analysis.words import cube, listed, literal, rule_names
 from sketchlang.model import Kind, SketchModel
 
@@ -56,6 +56,9 @@ class _Writer:
                 gone = set(step.rules)
                 others = [rule for rule in left if rule not in gone]
                 lines.append(mark + self.potential(step, others))
+            elif isinstance(step, Ranks):
+                gone = set(step.rules)
+                lines.append(mark + self.ranks(step))
             else:
                 gone = set(step.drops)
                 first, *rest = self.split(step, left, inner)
@@ -94,6 +97,18 @@ class _Writer:
             return f"{weighed} falls with {falls}, and does not rise with {left}."
         falls = listed(names) if len(names) <= MOST_NAMED else f"{len(names)} rules"
         return f"{weighed} falls with {falls}, and none of the {len(others)} others raises it."
+
+    def ranks(self, step: Ranks) -> str:
+        names = rule_names(self.model, step.rules)
+        subject = listed(names) if len(names) <= MOST_NAMED else f"the {len(names)} rules left"
+        count = f"{1 << len(step.features):,} valuations of {len(step.features)} features"
+        if len(step.tables) == 1:
+            return f"All {count} can be put in an order in which none of {subject} leads back."
+        return (
+            f"All {count} can be put in an order in which none of {subject} leads back, but for "
+            "rules that lower a nat which nothing raises among valuations that reach each other; "
+            f"without these the same is true of what is left, {len(step.tables)} times over."
+        )
 
     def split(self, step: Split, rules: Sequence[int], indent: str) -> list[str]:
         plain = self._plain_flip(step)

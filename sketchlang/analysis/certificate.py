@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import base64
 import json
+import zlib
 from collections.abc import Iterable
 from typing import Any
 
 from sketchlang.analysis.fingerprint import digest, fingerprint
-from sketchlang.analysis.proof import Drop, Node, Potential, Split, Step, Term, Tree
+from sketchlang.analysis.proof import Drop, Node, Potential, Ranks, Split, Step, Term, Tree
 from sketchlang.analysis.termination import Terminating
 from sketchlang.model import Kind, SketchModel
 
 FORMAT = "sketchlang-termination-certificate"
-PLAIN, WITH_POTENTIALS = 1, 2
+FAST = 1
+"""How hard to try to make tables small: the sizes hardly differ."""
+
+PLAIN, FULL = 1, 2
 """Versions of the format. A proof is written in the first one that has all of its steps."""
 
 
@@ -20,7 +25,7 @@ def certificate_of(model: SketchModel, verdict: Terminating) -> dict[str, Any]:
     """The certificate as a JSON value."""
     content = {
         "format": FORMAT,
-        "version": WITH_POTENTIALS if _has_potential(verdict.steps) else PLAIN,
+        "version": FULL if _is_full(verdict.steps) else PLAIN,
         "sketch": model.name,
         "fingerprint": fingerprint(model),
         "method": verdict.method,
@@ -64,6 +69,15 @@ def _step(model: SketchModel, step: Step) -> dict[str, Any]:
             "potential": {term_key(model, term): term.weight for term in step.terms},
             "rules": names(step.rules),
         }
+    if isinstance(step, Ranks):
+        return {
+            "ranks": [model.features[feature].name for feature in step.features],
+            "tables": [
+                base64.b64encode(zlib.compress(table, FAST)).decode("ascii")
+                for table in step.tables
+            ],
+            "rules": names(step.rules),
+        }
     return {
         "split": _tree(model, step.tree),
         "blocks": [
@@ -74,10 +88,10 @@ def _step(model: SketchModel, step: Step) -> dict[str, Any]:
     }
 
 
-def _has_potential(steps: Iterable[Step]) -> bool:
+def _is_full(steps: Iterable[Step]) -> bool:
     return any(
-        isinstance(step, Potential)
-        or (isinstance(step, Split) and any(_has_potential(block.steps) for block in step.blocks))
+        isinstance(step, Potential | Ranks)
+        or (isinstance(step, Split) and any(_is_full(block.steps) for block in step.blocks))
         for step in steps
     )
 

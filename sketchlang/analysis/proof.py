@@ -6,6 +6,7 @@ step takes away rules that no infinite run through the region can use for ever:
 - `Drop`: a nat that some rules lower and no rule raises. They fire finitely often, since
   a counter cannot become negative (or, for a bounded nat, the same upside down).
 - `Potential`: a weighted sum of features that some rules lower and no rule raises.
+- `Ranks`: no rule leads back in an order of all valuations, in rounds.
 - `Split`: the region is cut into blocks, numbered so that no rule leads from a block to an
   earlier one. An infinite run comes to stay in one of them; there it can only use rules
   with an edge inside the block, and the block has steps of its own.
@@ -81,4 +82,19 @@ class Split:
     drops: tuple[int, ...]
 
 
-Step = Drop | Potential | Split
+@dataclass(frozen=True, slots=True)
+class Ranks:
+    """All rules go, because of ranks of all valuations of some features.
+
+    A table has four bytes (little-endian) a valuation, bit i of its number is `features[i]`;
+    the largest number stands where no infinite run passes. No rule leads to a lower rank. In
+    the next table, which refines the one before, that need hold only for rules that could
+    keep their rank, without those that lower a nat which none of them may raise there.
+    """
+
+    features: tuple[int, ...]
+    tables: tuple[bytes, ...]
+    rules: tuple[int, ...]
+
+
+Step = Drop | Potential | Split | Ranks

@@ -34,6 +34,9 @@ from sketchlang.model import SketchModel
 TRIAL_CELLS = 64
 """Components up to this size try every feature that would break the walk and keep the best."""
 
+GONE = 0.2
+"""The part of the rules whose end makes a large graph begin anew."""
+
 MOST_FEATURES = 10
 """Features up to which all rules that may fire for ever are found, not only one cycle's."""
 
@@ -86,7 +89,7 @@ class Sieve:
         steps: list[Step] = []
         while left:
             root = self._refined(Part(0, (0,), tuple(left)), 0)
-            while len(kept := self._kept(root)) == len(left):
+            while self._goes_on(root, len(left), len(kept := self._kept(root))):
                 for part in root.stuck():
                     cycle = self._refine(part)
                     if cycle:
@@ -97,6 +100,17 @@ class Sieve:
             steps += quick.steps
             left = [rule for rule in left if rule.index in quick.left]
         return SieveResult(tuple(steps), ())
+
+    def _goes_on(self, root: Part, before: int, kept: int) -> bool:
+        """Whether to refine further, and not to begin anew with the rules that are kept.
+
+        To begin anew costs what it cost to get here; it pays for small graphs, which tell
+        more clearly what matters, and when many rules are gone.
+        """
+        if kept == before:
+            return True
+        size = sum(len(part.cells) for part in root.stuck())
+        return bool(kept) and size > TRIAL_CELLS and before - kept < GONE * before
 
     def survivors(self) -> frozenset[int] | None:
         """The rules with an edge that textbook Sieve, with every feature, cannot remove."""

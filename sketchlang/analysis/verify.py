@@ -14,6 +14,8 @@ run, only rules returned:
   weighted sum and those named are sure to lower it. The sum is bounded below: numbers have
   positive weights unless they are bounded, and truth values are 0 or 1. So it falls finitely
   often.
+- A step "ranks" orders all valuations of the features that the rules at hand have, in
+  rounds; `verify_ranks.py` says how that takes all of these rules away.
 - A step "split" sorts the region into numbered blocks by a decision tree. The checker makes
   sure that no rule leads from a block to one with a lower number. So a run comes to stay
   in one block, and there uses rules with an edge inside it: the block's own proof applies.
@@ -102,6 +104,8 @@ class Checker:
                 gone = self.split(step, region, rules, here)
             elif isinstance(step, dict) and "potential" in step and self.version > 1:
                 gone = self.potential(step, rules, here)
+            elif isinstance(step, dict) and "ranks" in step and self.version > 1:
+                gone = self.ranks(step, rules, here)
             else:
                 gone = self.drop(step, rules, here)
             if not gone:
@@ -161,6 +165,25 @@ class Checker:
         if weight and effect in (RAISING if weight > 0 else LOWERING):
             refuse(f"{where}: {name} may change {declared.name} by any number")
         return -abs(weight) if effect is (Effect.DEC if weight > 0 else Effect.INC) else 0
+
+    def ranks(self, step: Any, rules: set[str], where: str) -> set[str]:
+        from sketchlang.analysis.verify_ranks import check_ranks
+
+        step = an_object(step, where, "ranks tables rules")
+        if not isinstance(step["ranks"], list) or not isinstance(step["tables"], list):
+            refuse(f"{where}: lists of features and of tables are expected")
+        features = [self.feature(name, where) for name in step["ranks"]]
+        if features != sorted(set(features)):
+            refuse(f"{where}: the features are out of order")
+        for name in sorted(rules):
+            rule = self.rules[name]
+            if not {*rule.conditions, *rule.effects} <= set(features):
+                refuse(f"{where}: {name} has a feature that the tables do not have")
+        if self.named(step["rules"], where) != rules:
+            refuse(f"{where}: the rules that it takes away are {_list(rules)}")
+        at_hand = {name: self.rules[name] for name in sorted(rules)}
+        check_ranks(self.model, features, step["tables"], at_hand, self.pairs, where)
+        return rules
 
     def split(
         self, step: Any, region: list[tuple[Answer, int]], rules: set[str], where: str

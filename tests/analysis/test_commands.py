@@ -18,7 +18,7 @@ from sketchlang.cli import cli
 from tests.analysis.known import PAPER
 
 CHAIN = FAMILIES["chain"](4)
-GRAY = FAMILIES["gray"](20)
+GRAY = FAMILIES["gray"](24)  # some ten seconds
 ENDLESS = "sketch e\nfeature n : nat\nrule up { } -> { n++ }\nrule down { n > 0 } -> { n-- }\n"
 
 

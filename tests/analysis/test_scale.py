@@ -70,8 +70,8 @@ def test_the_time_limit_is_kept() -> None:
 
 def test_the_memory_limit_is_kept() -> None:
     budget = Budget(megabytes=1e6)
-    budget.megabytes = budget.base_mb + 20
-    verdict = decide_termination(family("gray", 18), budget)
+    budget.megabytes = budget.base_mb + 10
+    verdict = decide_termination(family("gray", 20), budget)
     assert isinstance(verdict, Undecided)
     assert verdict.kind == "memory"
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from sketchlang.analysis.proof import Drop, Node, Potential, Split, Step, Tree
+from sketchlang.analysis.proof import Drop, Node, Potential, Ranks, Split, Step, Tree
 from sketchlang.analysis.words import listed, rule_names
 from sketchlang.model import SketchModel
 
@@ -37,7 +37,7 @@ class Removal:
 
     def _last(self, steps: Sequence[Step], rule: int) -> int | None:
         for step in steps:
-            if isinstance(step, Drop | Potential):
+            if isinstance(step, Drop | Potential | Ranks):
                 if rule in step.rules:
                     return self._numbers[id(step)]
             elif rule in step.drops:
@@ -52,7 +52,7 @@ class Removal:
 
     def _within(self, steps: Sequence[Step], before: int, rule: int, after: int) -> int | None:
         for step in steps:
-            if isinstance(step, Drop | Potential):
+            if isinstance(step, Drop | Potential | Ranks):
                 if rule in step.rules:
                     return self._numbers[id(step)]
                 continue
@@ -82,6 +82,8 @@ def _words(model: SketchModel, step: Step) -> str:
 
         falls = listed(rule_names(model, step.rules))
         return f"{weighted_sum(model, step.terms)} falls ({falls})"
+    if isinstance(step, Ranks):
+        return "no way back in an order of all valuations"
     asked: set[int] = set()
     todo: list[Tree] = [step.tree]
     while todo:
