@@ -19,7 +19,7 @@ from sketchlang.model import SketchModel
 
 if TYPE_CHECKING:
     from domains.tabletop.problem import PickPlaceProblem
-    from runtime.judge.certify import Certificate
+    from runtime.judge.findings import Certificate
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +37,7 @@ class TabletopDocument:
         """Replay the plan in exact geometry."""
         from runtime.judge.certify import certify
 
-        return certify(self.plan, self.task.scene, self.task.robot)
+        return certify(self.plan, self.task.scene.world, self.task.robot)
 
     @cached_property
     def execution_time(self) -> float:

@@ -6,12 +6,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from runtime.judge.certify import upright
 from runtime.robot.model import Floats
 from runtime.robot.urdf import Joint
 from runtime.show.colours import TABLE, WALL, Colour, of_links, of_object
 from runtime.trace.kinematics import Tree, links_at, object_at
 from runtime.trace.model import Trace, TraceRobot
+from runtime.world.poses import upright
 
 Y_UP = np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
 """glTF has y upwards, scenes have z."""
@@ -22,7 +22,12 @@ def boxes(trace: Trace, time: float) -> Iterator[tuple[str, Floats, Floats, Colo
     tables = {surface.name for surface in trace.scene.surfaces}
     for obstacle in trace.scene.obstacles:
         box, colour = obstacle.box, TABLE if obstacle.name in tables else WALL
-        yield obstacle.name, np.array(box.size), upright(*box.centre, box.yaw), colour
+        yield (
+            obstacle.name,
+            np.array(box.size),
+            np.vstack([upright(*box.centre, box.yaw), [0, 0, 0, 1.0]]),
+            colour,
+        )
     links = links_at(trace, Tree(trace.robot), time)
     for index, thing in enumerate(trace.scene.objects):
         pose = object_at(trace, links, index, time).copy()

@@ -5,41 +5,37 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from runtime.judge.contacts import Track
+from runtime.judge.extents import homogeneous
 from runtime.robot.model import RobotModel
 from runtime.robot.urdf import Joint
-from runtime.world.poses import Pose
+from runtime.world.poses import Floats
+from runtime.world.solids import Solid
 
-Floats = NDArray[np.float64]
-Transforms = NDArray[np.float64]  # (N, 4, 4)
+Transforms = Floats
+"""Poses (N, 4, 4)."""
 
 
 @dataclass(frozen=True, eq=False)
-class LinkBox:
-    """A collision box of a link: pose (4, 4) in the link, half extents (3,)."""
+class LinkSolid:
+    """A collision solid of a link and its pose (4, 4) there."""
 
     link: str
-    name: str
+    solid: Solid
     pose: Floats
-    half: Floats
-
-
-def homogeneous(pose: Pose) -> Floats:
-    """A 3x4 pose as a 4x4 matrix."""
-    return np.vstack([pose, [0.0, 0.0, 0.0, 1.0]])
 
 
 class Skeleton:
-    """Links, joints and boxes of a robot in tree order."""
+    """Links, joints and solids of a robot in tree order."""
 
     def __init__(self, robot: RobotModel) -> None:
         self.robot = robot
         urdf = robot.urdf
-        self.boxes = [
-            LinkBox(link, box.name, homogeneous(box.pose), box.half)
-            for link, boxes in urdf.boxes.items()
-            for box in boxes
+        self.solids = [
+            LinkSolid(link, shape.solid, homogeneous(shape.pose))
+            for link, shapes in urdf.shapes.items()
+            for shape in shapes
         ]
         self.order: list[Joint] = []
         self.root = urdf.root
@@ -53,16 +49,26 @@ class Skeleton:
         self.rigid = self._rigid_groups()
 
     def _rigid_groups(self) -> dict[str, int]:
-        """Links with the same number never move against each other."""
+        """Links with the same number never move against each other; that of the root is 0."""
         moving = set(self.robot.joints) | set(self.robot.gripper.joints)
         group = {self.root: 0}
         for joint in self.order:
             group[joint.child] = len(group) if joint.name in moving else group[joint.parent]
         return group
 
+    @property
+    def fingers(self) -> frozenset[str]:
+        """Links that the finger joints move."""
+        hand = self.rigid[self.robot.urdf_tool]
+        return frozenset(n for n in self.robot.gripper.links if self.rigid[n] != hand)
+
     def may_touch(self, a: str, b: str) -> bool:
         """Whether contact of two links is no collision."""
         return self.rigid[a] == self.rigid[b] or frozenset((a, b)) in self.robot.ignored
+
+    def tracks(self, links: dict[str, Transforms]) -> list[Track]:
+        """The robot's solids with the links at poses."""
+        return [Track(s.link, s.solid, links[s.link] @ s.pose) for s in self.solids]
 
     def transforms(self, base: Floats, q: Floats, opening: float | Floats) -> dict[str, Transforms]:
         """World poses (N, 4, 4) of all links for base poses (N, 3), configurations (N, n),

@@ -56,14 +56,23 @@ def timed_motion(
     return tuple(found), opening
 
 
-def finger_speed(robot: RobotModel) -> float:
-    """Metres a second by which the gripper's opening changes at most, by the limits of the
-    finger joints; where they have none, by the time that the robot file gives for a stroke."""
+def finger_time(robot: RobotModel, before: float, after: float) -> float:
+    """Seconds that the fingers take at full speed from one opening to another, by the limits of
+    their joints; where these have none, by the time that the robot file gives for a stroke."""
     gripper = robot.gripper
-    speeds = [j.velocity for j in robot.urdf.joints.values() if j.name in gripper.joints]
-    if min(speeds, default=0.0) > 0.0:
-        return sum(speeds)
-    return gripper.max_opening / gripper.time
+    marks = gripper.openings
+    speeds = np.array([max(0.0, _velocity(robot, name)) for name in gripper.joints])
+    if not speeds.any():
+        marks, seconds = marks[[0, -1]], np.array([0.0, gripper.time])
+    else:
+        moved = np.abs(np.diff(gripper.values, axis=0))[:, speeds > 0] / speeds[speeds > 0]
+        seconds = np.concatenate([[0.0], np.cumsum(moved.max(axis=1))])
+    return float(abs(np.interp(after, marks, seconds) - np.interp(before, marks, seconds)))
+
+
+def _velocity(robot: RobotModel, name: str) -> float:
+    joint = robot.urdf.joint(name)
+    return 0.0 if joint is None else joint.velocity
 
 
 def timed(robot: RobotModel, piece: Piece, opening: float) -> tuple[Piece, Floats]:
@@ -81,7 +90,7 @@ def timed(robot: RobotModel, piece: Piece, opening: float) -> tuple[Piece, Float
             points, times, places = _time_path(path, *limits)
             return ArmMove(points, kind, tuple(_carried(c, places) for c in along)), times
         case GripperMove(goal):
-            stroke = abs(goal - opening) / finger_speed(robot) / (1 - FINGER_RAMP)
+            stroke = finger_time(robot, opening, goal) / (1 - FINGER_RAMP)
             durations = [max(robot.gripper.time, stroke)]
     return piece, np.concatenate([[0.0], np.cumsum(durations)])
 

@@ -20,6 +20,7 @@ from runtime.robot.model import Floats
 from runtime.trace.kinematics import Tree, links_at, object_at
 from runtime.trace.model import Trace
 from runtime.world.quaternions import matrix
+from runtime.world.world import World
 
 SETTLE = 1.0
 """Seconds that objects are given to come to rest, before and after."""
@@ -29,6 +30,9 @@ NEAR = 0.01
 
 UPRIGHT = math.radians(10.0)
 """Lean beyond which an object counts as fallen."""
+
+SETTLED = 0.02
+"""Metres by which the bottom of an object may miss its height and still be on a support."""
 
 LOOSE = 0.005
 """Metres in the gripper beyond which an object has slipped."""
@@ -107,7 +111,7 @@ def _report(trace: Trace, physics: Physics, follower: Follower) -> Report:
         slips=tuple(slips),
         touches=tuple(follower.touches),
         objects=tuple(finals),
-        unmet=tuple(lacking(trace.scene, poses)),
+        unmet=tuple(lacking(trace.scene.world, poses)),
     )
 
 
@@ -148,16 +152,9 @@ def standing_on(scene: Scene, pose: Floats) -> int | None:
     return None
 
 
-def lacking(scene: Scene, poses: list[Floats]) -> list[str]:
-    """What the goals of a scene lack with objects at world poses (7,)."""
-    standing = {}
-    for index, pose in enumerate(poses):
-        surface = standing_on(scene, pose)
-        turn = matrix(pose)
-        yaw = math.atan2(turn[1, 0], turn[0, 0])
-        place = (float(pose[0]), float(pose[1]), yaw)
-        standing[index] = (-1 if surface is None else surface, place)
-    return unmet(scene, standing)
+def lacking(world: World, poses: list[Floats]) -> list[str]:
+    """What the goals of a world lack with bodies at world poses (7,)."""
+    return unmet(world, {i: matrix(pose) for i, pose in enumerate(poses)}, rest=SETTLED)
 
 
 def to_json(report: Report, trace: Trace) -> dict[str, Any]:

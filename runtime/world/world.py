@@ -10,19 +10,35 @@ import math
 from dataclasses import dataclass
 
 from runtime.world.body import Body
+from runtime.world.goals import Goal
 from runtime.world.poses import Pose
 
 FLOOR = "floor"
 """The name of the floor, wherever one is shown or may be rested on."""
 
 
+@dataclass(frozen=True)
+class Guide:
+    """How something that is fixed can move all the same: a door about its hinge (`"revolute"`,
+    radians), a drawer along its rails (`"prismatic"`, metres). `axis` is a unit vector, `origin`
+    a point on it, in the world; where it stands at the start is 0."""
+
+    type: str
+    axis: tuple[float, float, float]
+    origin: tuple[float, float, float]
+    lower: float
+    upper: float
+
+
 @dataclass(frozen=True, eq=False)
 class Fixed:
-    """Something that never moves (a table, a wall, a shelf) and its pose (3, 4)."""
+    """Something that nothing moves (a table, a wall, a shelf) but a tool that follows its
+    `guide`, if it has one; and its pose (3, 4)."""
 
     name: str
     body: Body
     pose: Pose
+    guide: Guide | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +73,8 @@ class Support:
 
 @dataclass(frozen=True, eq=False)
 class World:
-    """A world at the start of a task. `robot_start` is x, y, heading of the robot's base."""
+    """A world at the start of a task, and what is wanted of it. `robot_start` is x, y, heading
+    of the robot's base."""
 
     name: str
     digest: str
@@ -65,6 +82,7 @@ class World:
     fixed: tuple[Fixed, ...]
     movables: tuple[Movable, ...]
     supports: tuple[Support, ...]
+    goals: tuple[Goal, ...] = ()
 
     def index(self, name: str) -> int:
         """The index of a movable.

@@ -43,7 +43,9 @@ def command(plan: Path, scene: str | None, robot: str | None, as_json: bool) -> 
         document = read_plan(plan)
         path, name = find_scene(scene or document.scene)
         started = time.perf_counter()
-        certificate = certify(document, load_scene(path, name), load_robot(robot or document.robot))
+        certificate = certify(
+            document, load_scene(path, name).world, load_robot(robot or document.robot)
+        )
         seconds = time.perf_counter() - started
     except InputError as error:
         fail(error)

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from runtime.motion.room import Room
 from runtime.robot.model import Body, Chain
+from runtime.world.solids import Box
 
 Floats = NDArray[np.float64]
 
@@ -272,3 +273,9 @@ def has_stand(
         if in_room(room, axis - turn_z(yaw)[:2, :2] @ shoulder):
             return True
     return False
+
+
+def solid_box(half: Floats) -> Box:
+    """A box by its half extents."""
+    x, y, z = (2 * np.asarray(half)).tolist()
+    return Box((x, y, z))

@@ -13,11 +13,11 @@ from domains.tabletop.problem import PickPlaceProblem, PickPlaceSubproblem
 from domains.tabletop.scene.model import UprightBox
 from domains.tabletop.state import Grasp, MoveBase, Pick, Place, Placement, State
 from domains.tabletop.world import Task
-from runtime.judge.geometry import ExactBoxes, Track
+from runtime.judge.contacts import Exact, Track
 from runtime.judge.skeleton import Skeleton
 from runtime.motion.motion import ArmMove, BaseMove, GripperMove
 from runtime.search.problem import Rejection
-from tests.runtime.reference import fcl_touch, upright_pose
+from tests.runtime.reference import fcl_touch, solid_box, upright_pose
 from tests.tabletop.tasks import AT, ON_RIGHT, problem, stick
 
 SEEDS = range(3)
@@ -81,7 +81,7 @@ def test_sampled_placements_touch_nothing_that_stands(crowded) -> None:
 
 def test_sampled_base_poses_are_free_of_contact(crowded) -> None:
     task = crowded.task
-    skeleton, exact = Skeleton(task.robot), ExactBoxes()
+    skeleton, exact = Skeleton(task.robot), Exact()
     poses = {
         action.target.pose
         for state in (crowded.initial, *held_states(crowded))
@@ -93,9 +93,9 @@ def test_sampled_base_poses_are_free_of_contact(crowded) -> None:
     assert len(base) > 20
     q = np.tile(task.robot.home, (len(base), 1))
     links = skeleton.transforms(base, q, task.robot.gripper.max_opening)
-    robot = [Track(b.name, b.link, b.half, links[b.link] @ b.pose) for b in skeleton.boxes]
+    robot = skeleton.tracks(links)
     world = [
-        Track("wall", "wall", row[3:6], np.vstack([upright_pose(row), [0, 0, 0, 1]])[None])
+        Track("wall", solid_box(row[3:6]), np.vstack([upright_pose(row), [0, 0, 0, 1]])[None])
         for row in task.statics
     ]
     assert exact.first_hit([(a, b) for a in robot for b in world]) is None

@@ -100,7 +100,7 @@ class ClosedLoop:
             like, reason = self._rounds()
             self.follower.wait(SETTLE)
             poses = [self.physics.object_pose(i) for i in range(len(self.physics.objects))]
-            missing = lacking(self.scene, poses)
+            missing = lacking(self.scene.world, poses)
             if reason is None and missing:
                 reason = f"the robot believes to be done, but {missing[0]}"
             verdict = Verdict(

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
+from runtime.world import goals as world_goals
 from runtime.world.body import Body, Part
 from runtime.world.poses import upright
 from runtime.world.solids import Box
@@ -162,7 +164,20 @@ class Scene:
                 Support(s.name, s.name, upright(*s.table.centre[:2], s.rest, s.table.yaw), s.half)
                 for s in self.surfaces
             ),
+            goals=tuple(self._wanted()),
         )
+
+    def _wanted(self) -> Iterator[world_goals.Goal]:
+        for index, goal in self.goals.items():
+            body, surface = self.objects[index].name, self.surfaces[goal.surface]
+            if isinstance(goal, PoseGoal):
+                x, y = surface.table.local(goal.x, goal.y)
+                yield world_goals.RestsAt(body, surface.name, x, y, goal.tolerance)
+            else:
+                yield world_goals.RestsOn(body, surface.name)
+        if self.word is not None:
+            word, surface = self.word, self.surfaces[self.word.surface]
+            yield world_goals.Spelled(word.word, surface.name, word.pitch, word.tolerance)
 
 
 def box_body(size: tuple[float, float, float]) -> Body:

@@ -10,13 +10,20 @@ import pytest
 
 from domains.tabletop.scene.model import Scene
 from runtime.angles import wrap
-from runtime.judge.geometry import ExactBoxes, Track
+from runtime.judge.contacts import Exact, Track
 from runtime.judge.skeleton import Skeleton
 from runtime.motion.base import MARGIN, BaseRoads, drive, footprint
 from runtime.motion.room import room_around
 from runtime.robot.model import RobotModel
 from runtime.robot.urdf import Box
-from tests.runtime.reference import Floats, along, placed_boxes, upright_pose, upright_row
+from tests.runtime.reference import (
+    Floats,
+    along,
+    placed_boxes,
+    solid_box,
+    upright_pose,
+    upright_row,
+)
 
 WIDE = Box("held", np.eye(3, 4), np.array([0.15, 0.02, 0.1]))
 """An object that sticks out of the gripper."""
@@ -27,11 +34,10 @@ def tracks(robot: RobotModel, base: Floats, held: Box | None) -> list[Track]:
     skeleton = Skeleton(robot)
     q = np.tile(robot.home, (len(base), 1))
     links = skeleton.transforms(base, q, robot.gripper.max_opening)
-    found = [Track(box.name, box.link, box.half, links[box.link] @ box.pose)
-             for box in skeleton.boxes]  # fmt: skip
+    found = skeleton.tracks(links)
     if held is not None:
         pose = np.vstack([held.pose, [0, 0, 0, 1]])
-        found.append(Track("held", "held", held.half, links[robot.urdf_tool] @ pose))
+        found.append(Track("held", solid_box(held.half), links[robot.urdf_tool] @ pose))
     return found
 
 
@@ -39,9 +45,9 @@ def hits(robot: RobotModel, base: Floats, boxes: Floats, held: Box | None) -> bo
     world = []
     for row in boxes:
         pose = np.vstack([upright_pose(row), [0, 0, 0, 1]])
-        world.append(Track("obstacle", "obstacle", row[3:6], pose[None]))
+        world.append(Track("obstacle", solid_box(row[3:6]), pose[None]))
     pairs = [(a, b) for a in tracks(robot, base, held) for b in world]
-    return ExactBoxes().first_hit(pairs) is not None
+    return Exact().first_hit(pairs) is not None
 
 
 def roads_of(robot: RobotModel, boxes: Floats, held: Box | None = None) -> BaseRoads:

@@ -51,7 +51,7 @@ def test_it_means_the_same_motions(tmp_path, plan_data) -> None:
 
 
 def test_it_is_certified(tmp_path, plan_data, sticks, robot) -> None:
-    assert certify(parse(tmp_path, as_version_1(plan_data)), sticks, robot).valid
+    assert certify(parse(tmp_path, as_version_1(plan_data)), sticks.world, robot).valid
 
 
 def drop_placement(data: Json) -> None:

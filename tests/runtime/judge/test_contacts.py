@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from runtime.judge.geometry import ExactBoxes, Track, close_pairs
-from tests.runtime.reference import Floats, homogeneous, random_pose
+from runtime.judge.contacts import Exact, Track, close_pairs
+from tests.runtime.reference import Floats, homogeneous, random_pose, solid_box
 
 
 def track(name: str, half: float, *positions: tuple[float, float, float]) -> Track:
     poses = np.tile(np.eye(4), (len(positions), 1, 1))
     poses[:, :3, 3] = positions
-    return Track(name, name, np.full(3, half), poses)
+    return Track(name, solid_box(np.full(3, half)), poses)
 
 
 def passing(count: int) -> Track:
@@ -22,7 +22,7 @@ def passing(count: int) -> Track:
 def test_the_earliest_contact_is_found() -> None:
     late, early = track("late", 0.1, (0.5, 0.0, 0.0)), track("early", 0.1, (-0.5, 0.0, 0.0))
     ball = passing(201)
-    hit = ExactBoxes().first_hit([(ball, late), (ball, early)])
+    hit = Exact().first_hit([(ball, late), (ball, early)])
     assert hit is not None
     assert (hit.first, hit.second) == ("ball", "early")
     assert -0.66 < ball.poses[hit.sample, 0, 3] < -0.64
@@ -30,20 +30,20 @@ def test_the_earliest_contact_is_found() -> None:
 
 def test_boxes_that_pass_by_do_not_touch() -> None:
     beside = track("beside", 0.1, (0.0, 0.16, 0.0))
-    assert ExactBoxes().first_hit([(passing(201), beside)]) is None
+    assert Exact().first_hit([(passing(201), beside)]) is None
 
 
 def test_boxes_of_one_size_are_told_apart() -> None:
     """Shapes are shared between boxes of a size: both poses must count."""
     a, b = track("a", 0.05, (0.0, 0.0, 0.0)), track("b", 0.05, (1.0, 0.0, 0.0))
-    assert ExactBoxes().first_hit([(a, b)]) is None
-    assert ExactBoxes().first_hit([(a, track("b", 0.05, (0.09, 0.0, 0.0)))]) is not None
+    assert Exact().first_hit([(a, b)]) is None
+    assert Exact().first_hit([(a, track("b", 0.05, (0.09, 0.0, 0.0)))]) is not None
 
 
 def test_bounds_hold_every_corner(rng) -> None:
     half = np.array([0.1, 0.2, 0.3])
     poses = np.array([homogeneous(random_pose(rng, 1.0)) for _ in range(50)])
-    centre, extent = Track("box", "box", half, poses).bounds
+    centre, extent = Track("box", solid_box(half), poses).bounds
     corner: Floats
     for sx in (-1, 1):
         for sy in (-1, 1):
@@ -57,9 +57,9 @@ def test_pairs_that_touch_are_close(rng) -> None:
 
     def random_track(samples: int) -> Track:
         poses = np.array([homogeneous(random_pose(rng, 0.5)) for _ in range(samples)])
-        return Track("x", "x", rng.uniform(0.02, 0.15, 3), poses)
+        return Track("x", solid_box(rng.uniform(0.02, 0.15, 3)), poses)
 
-    exact, dropped = ExactBoxes(), 0
+    exact, dropped = Exact(), 0
     for _ in range(20):
         moving = [random_track(3) for _ in range(4)]
         standing = [random_track(1) for _ in range(6)]
