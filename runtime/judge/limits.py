@@ -158,7 +158,11 @@ def _between(openings: Floats, before: float, after: float) -> list[float]:
 
 def finger_fault(robot: RobotModel, before: float, after: float, seconds: float) -> str | None:
     """What is wrong with fingers that go from one opening to another."""
-    if not robot.gripper.min_opening - LIMIT_SLACK <= after <= robot.gripper.max_opening + LIMIT_SLACK:
+    if (
+        not robot.gripper.min_opening - LIMIT_SLACK
+        <= after
+        <= robot.gripper.max_opening + LIMIT_SLACK
+    ):
         return f"the gripper cannot open {after:.4f} m"
     if finger_time(robot, before, after) > (seconds + TICK) * SPEED_SLACK + TICK:
         return "the fingers are faster than their limit"
