@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from runtime.kernels import arm
 from runtime.kernels.convex import EXACT, NO_SHAPES, Shapes
+from runtime.robot.approach import Approach, Derived, Family
 from runtime.robot.gripper import FingerPart, Gripper
 from runtime.robot.shapes import Shape
 from runtime.robot.urdf import Box, Urdf
@@ -44,6 +45,12 @@ class Body(NamedTuple):
     shape: Ints  # (m,)
     shapes: Shapes
 
+
+USUAL_HEIGHT = 0.8
+"""Metres of a grasp above the floor, on a usual table."""
+
+PLAY = 0.003
+"""Metres kept beside a finger."""
 
 HELD_EXTENT = 0.3
 """Metres from the tool frame to the farthest corner of a held object, at most."""
@@ -131,17 +138,55 @@ class RobotModel:
     given_workspace: ArmWorkspace | None = None
     given_strip: Strip | None = None
 
-    @property
-    def strip(self) -> Strip:
-        """What an approach from the side sweeps."""
-        assert self.given_strip is not None
-        return self.given_strip
+    @cached_property
+    def derived(self) -> Derived:
+        """What kinematics says of the robot; from a cache on disk, where it is known."""
+        from runtime.robot.derived import derived_of  # it asks the kernels
+
+        return derived_of(self)
+
+    def approach(self, family: Family) -> Approach:
+        """What a hand that comes in by a family sweeps."""
+        return self.derived.approaches[family]
+
+    def workspace(self, family: Family, height: float) -> tuple[float, float, float]:
+        """How far the wrist has to be from the shoulder's axis for a grasp centre at a height
+        above the floor, at least and at most, and how far behind the grasp centre it is. The
+        interval is empty (0, 0) where there is none."""
+        return self.derived.workspaces[family].at(height)
 
     @property
+    def centre(self) -> tuple[float, float]:
+        """The shoulder's axis in the base frame, x and y."""
+        return self.derived.centre
+
+    @cached_property
+    def strip(self) -> Strip:
+        """What an approach from the side sweeps in the plane: as the robot file says, or as it
+        is derived."""
+        if self.given_strip is not None:
+            return self.given_strip
+        side = self.approach(Family.SIDE)
+        boxes = side.hand_and_arm
+        return Strip(
+            finger_back=max(0.0, -float(side.hand[:, 1].max(initial=-1.0))),
+            finger_tip=float(side.fingers[:, 1].max()),
+            finger_width=self.gripper.clearance + float(side.fingers[:, 3].max()) + PLAY,
+            arm_length=-float(boxes[:, 0].min()),
+            arm_half_width=float(np.abs(boxes[:, 2:4]).max()),
+        )
+
+    @cached_property
     def annulus(self) -> ArmWorkspace:
-        """Where the wrist may be for an approach from the side."""
-        assert self.given_workspace is not None
-        return self.given_workspace
+        """Where the wrist may be for an approach from the side: as the robot file says, or as
+        it is derived for a usual table."""
+        if self.given_workspace is not None:
+            return self.given_workspace
+        inner, outer, offset = self.workspace(Family.SIDE, USUAL_HEIGHT)
+        if outer <= inner:
+            reaches = self.derived.workspaces[Family.SIDE].reaches or (0.0, 0.0)
+            inner, outer, offset = self.workspace(Family.SIDE, sum(reaches) / 2)
+        return ArmWorkspace(self.centre, offset, inner, outer)
 
     def body(self, opening: float, held: Box | Sequence[Part] | None = None) -> Body:
         """The robot's parts with the fingers `opening` metres apart, holding something or not.
