@@ -16,9 +16,10 @@ from collections import Counter
 
 import numpy as np
 
+from domains.tabletop.actions.actions import Pick
 from domains.tabletop.features.swept import HEADINGS, STEP
-from domains.tabletop.problem import PickPlaceProblem, load_problem
-from domains.tabletop.state import UNIT, Grasp, Pick, State
+from domains.tabletop.problem import TabletopProblem, load_problem
+from domains.tabletop.state import UNIT, Grasp, State
 from sketchlang.domain import LoadOptions
 from sketchlang.library import find_scene
 
@@ -27,9 +28,9 @@ BASES = 8
 SEEDS = 12
 
 
-def compare(problem: PickPlaceProblem, rng: np.random.Generator) -> Counter[tuple[bool, bool]]:
+def compare(problem: TabletopProblem, rng: np.random.Generator) -> Counter[tuple[bool, bool]]:
     """Counts of (estimated free, found by inverse kinematics)."""
-    task = problem.task
+    task = problem.world
     state = task.initial
     arrangement = task.arrangement(state.placements)
     counts: Counter[tuple[bool, bool]] = Counter()

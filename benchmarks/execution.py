@@ -15,9 +15,9 @@ import numpy as np
 from domains.tabletop.actions.document import document
 from domains.tabletop.loop.closed_loop import ClosedLoop
 from domains.tabletop.loop.disturb import KINDS
-from domains.tabletop.problem import PickPlaceProblem
+from domains.tabletop.problem import TabletopProblem
 from domains.tabletop.scene.load import load_scene
-from domains.tabletop.world import Task
+from domains.tabletop.world import TabletopWorld
 from runtime.physics.execute import execute
 from runtime.plan.model import Plan
 from runtime.robot.load import DEFAULT_ROBOT, load_robot
@@ -47,13 +47,13 @@ def planned(scene_name: str, seed: int) -> Trace:
     """The trace of a plan made now, for the first built-in robot."""
     path, name = find_scene(scene_name)
     scene, robot = load_scene(path, name), load_robot(DEFAULT_ROBOT)
-    task = Task(scene, robot)
+    world = TabletopWorld.of(scene, robot)
     compiled = compile_sketch(load_sketch(SKETCH).checked)
     outcome = lazy_siiw_r(
-        compiled, PickPlaceProblem(task, seed), Limits(timeout=300.0), np.random.default_rng(seed)
+        compiled, TabletopProblem(world, seed), Limits(timeout=300.0), np.random.default_rng(seed)
     )
     assert outcome.solved, f"{scene_name}, seed {seed}: {outcome.reason}"
-    plan: Plan = document(task, compiled.model, outcome, "lazy-siiw-r", seed)
+    plan: Plan = document(world, compiled.model, outcome, "lazy-siiw-r", seed)
     return trace_of_plan(plan, scene, robot, load_trace_sketch(SKETCH))
 
 

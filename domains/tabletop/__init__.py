@@ -1,6 +1,6 @@
 """Objects on tables, and a robot that moves them: the functions that sketches can call.
 
-They ask the state's task, which knows the geometry of the scene (`domains.tabletop.world`).
+They ask `features.functions`, which knows the geometry of the scene through the state's world.
 Nothing heavy is imported here: `sketchlang check` reads these signatures.
 """
 
@@ -13,7 +13,7 @@ from domains.tabletop.state import Placement
 from sketchlang.domain import Domain, LoadOptions, Nat
 
 if TYPE_CHECKING:
-    from domains.tabletop.problem import PickPlaceProblem
+    from domains.tabletop.problem import TabletopProblem
     from domains.tabletop.state import State
 
 domain = Domain(
@@ -46,31 +46,41 @@ def held(state: State, o: Object) -> bool:
 @domain.function(ignores="base")
 def misplaced(state: State, o: Object) -> bool:
     """Whether an object stands outside its goal, or is held and its goal is blocked."""
-    return o in state.task.misplaced(state)
+    from domains.tabletop.features import functions
+
+    return o in functions.misplaced(state)
 
 
 @domain.function(ignores="base")
 def goal_placements(state: State, o: Object) -> tuple[Placement, ...]:
     """Unoccupied placements in which an object would be where the scene wants it."""
-    return state.task.goal_placements(state, o)
+    from domains.tabletop.features import functions
+
+    return functions.goal_placements(state, o)
 
 
 @domain.function(ignores="base")
 def disturbed_by(state: State, o: Object, p: Placement) -> Nat:
     """How many other misplaced objects would be obstructed more with an object at p."""
-    return state.task.disturbed_by(state, o, p)
+    from domains.tabletop.features import functions
+
+    return functions.disturbed_by(state, o, p)
 
 
 @domain.function(ignores="base")
 def obstructions(state: State, o: Object) -> Nat:
     """alpha: fewest objects in the way of picking o up and putting it at its goal."""
-    return state.task.obstructions(state, o)
+    from domains.tabletop.features import functions
+
+    return functions.obstructions(state, o)
 
 
 @domain.function(ignores="base")
 def disturbances(state: State, o: Object) -> Nat:
     """beta: fewest misplaced objects that a goal placement of o blocks."""
-    return state.task.disturbances(state, o)
+    from domains.tabletop.features import functions
+
+    return functions.disturbances(state, o)
 
 
 @domain.atom
@@ -89,7 +99,7 @@ def object_at(state: State) -> Iterable[Hashable]:
 
 
 @domain.scenes
-def load(path: str, options: LoadOptions) -> PickPlaceProblem:
+def load(path: str, options: LoadOptions) -> TabletopProblem:
     """The problem of a scene file."""
     from domains.tabletop.problem import load_problem
 

@@ -2,26 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from domains.tabletop.actions.actions import Action, ActionSchema
 from domains.tabletop.actions.executability import Executor
 from domains.tabletop.reporting import TabletopReporting
 from domains.tabletop.sampling.samples import Sampler, Samples
 from domains.tabletop.scene.load import load_scene
-from domains.tabletop.state import Action, MoveBase, State
-from domains.tabletop.world import Task
+from domains.tabletop.state import State
+from domains.tabletop.world import TabletopWorld
 from runtime.motion.motion import Motion
 from runtime.robot.load import DEFAULT_ROBOT, load_robot
 from runtime.search.problem import Rejection
 from runtime.search.profile import Profile
 from sketchlang.domain import LoadOptions
-
-if TYPE_CHECKING:
-    pass
 
 SEEDS = 12
 """Starting points for inverse kinematics, doubled with each attempt up to ..."""
@@ -30,7 +28,7 @@ MAX_SEEDS = 48
 
 
 @dataclass(frozen=True, eq=False)
-class PickPlaceSubproblem:
+class TabletopSubproblem:
     """The samples of a subproblem, and X on them."""
 
     samples: Samples
@@ -43,43 +41,35 @@ class PickPlaceSubproblem:
 
     def execute(self, state: State, action: Action) -> Motion | Rejection:
         """X: the motion of an action, or the step that refused it."""
-        reach = None
-        if not isinstance(action, MoveBase):
-            reach = self.executor.inverse_kinematics(state, action, self.seeds)
-            if reach is None:
-                return Rejection("inverse_kinematics")
-        motion = self.executor.motion_plan(state, action, reach)
-        return Rejection("motion_plan") if motion is None else motion
+        return action.motion(self.executor, state, self.seeds)
 
 
-class PickPlaceProblem:
-    """A task that can be searched."""
+class TabletopProblem:
+    """A task that can be searched; `schemas` are actions besides driving, picking, placing."""
 
-    def __init__(self, task: Task, seed: int) -> None:
-        self.task = task
+    def __init__(
+        self, world: TabletopWorld, seed: int, schemas: Sequence[ActionSchema] = ()
+    ) -> None:
+        self.world = world
         self.profile = Profile()
-        self.executor = Executor(task, seed, self.profile)
-        self.sampler = Sampler(task, self.executor)
+        self.executor = Executor(world, seed, self.profile)
+        self.sampler = Sampler(world, self.executor, schemas)
+        self.reporting = TabletopReporting(self)
 
     @property
     def initial(self) -> State:
         """The state that the scene describes."""
-        return self.task.initial
+        return self.world.initial
 
     def subproblem(
         self, state: State, attempt: int, rng: np.random.Generator
-    ) -> PickPlaceSubproblem:
+    ) -> TabletopSubproblem:
         """Sample a subproblem."""
         samples = self.sampler.sample(state, attempt, rng)
-        return PickPlaceSubproblem(samples, self.executor, min(MAX_SEEDS, SEEDS * 2**attempt))
-
-    @property
-    def reporting(self) -> TabletopReporting:
-        """Reports about this problem."""
-        return TabletopReporting(self)
+        return TabletopSubproblem(samples, self.executor, min(MAX_SEEDS, SEEDS * 2**attempt))
 
 
-def load_problem(path: str, options: LoadOptions) -> PickPlaceProblem:
+def load_problem(path: str, options: LoadOptions) -> TabletopProblem:
     """The problem of a scene file.
 
     Raises:
@@ -87,4 +77,5 @@ def load_problem(path: str, options: LoadOptions) -> PickPlaceProblem:
     """
     scene = load_scene(Path(path), options.name or Path(path).stem)
     robot = load_robot(options.robot or DEFAULT_ROBOT)
-    return PickPlaceProblem(Task(scene, robot), options.seed)
+    schemas = [schema() for schema in options.actions.values()]
+    return TabletopProblem(TabletopWorld.of(scene, robot), options.seed, schemas)

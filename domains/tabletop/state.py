@@ -1,4 +1,4 @@
-"""States and ground actions (paper, State-Space S and Action Schemas Act).
+"""States of the pick-and-place domain (paper, State-Space S).
 
 Poses are quantised to integers where they enter the planner, here, and compared exactly
 from then on: a novelty table needs equality that is transitive.
@@ -7,16 +7,27 @@ from then on: a novelty table needs equality that is transitive.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from collections.abc import Hashable
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, NamedTuple
 
+import numpy as np
+
+from runtime.world.poses import Pose
+
 if TYPE_CHECKING:
-    from domains.tabletop.world import Task
+    from domains.tabletop.world import TabletopWorld
 
 UNIT = 1e-5
 """Metres and radians of one step of a quantised coordinate."""
 
 TURN = round(2 * math.pi / UNIT)
+
+SIDE, TOP, PINCH = 0, 1, 2
+"""Families of approaches. SIDE: the hand comes in horizontally, its fingers on the left and the
+right. TOP: it comes straight down. PINCH: horizontally, one finger above and one below."""
+
+FAMILIES = ("side", "top", "pinch")
 
 
 def quantise(value: float) -> int:
@@ -30,16 +41,20 @@ def quantise_angle(angle: float) -> int:
 
 
 class Placement(NamedTuple):
-    """Where an object stands: quantised x, y and heading, index of the surface."""
+    """Where an object rests: quantised x, y and heading, and the index of the support.
+
+    On a support that can be moved (the top of another object, a tray) x, y and heading are
+    those in the support's own frame: what stands there goes where its support goes.
+    """
 
     x: int
     y: int
     yaw: int
-    surface: int
+    support: int
 
     @classmethod
-    def of(cls, x: float, y: float, yaw: float, surface: int) -> Placement:
-        return cls(quantise(x), quantise(y), quantise_angle(yaw), surface)
+    def of(cls, x: float, y: float, yaw: float, support: int) -> Placement:
+        return cls(quantise(x), quantise(y), quantise_angle(yaw), support)
 
     @property
     def pose(self) -> tuple[float, float, float]:
@@ -65,68 +80,98 @@ class BasePose(NamedTuple):
 
 
 class Grasp(NamedTuple):
-    """A side grasp: quantised heading of the approach in the object's frame, and height
-    of the grasp centre above the object's bottom. `flipped` turns the gripper over."""
+    """A grasp, in the standing frame of the object (`items.py`).
+
+    `angle` is the quantised heading of the hand, `height` that of the grasp centre above the
+    object's bottom; `along` and `aside` are where the centre is, along the heading and to its
+    left. `flipped` turns the hand over. For TOP, the heading is where the hand's upper side
+    (SIDE: its tip) points.
+    """
 
     angle: int
     height: int
     flipped: bool = False
+    family: int = SIDE
+    along: int = 0
+    aside: int = 0
 
     @classmethod
-    def of(cls, angle: float, height: float, flipped: bool = False) -> Grasp:
-        return cls(quantise_angle(angle), quantise(height), flipped)
+    def of(
+        cls,
+        angle: float,
+        height: float,
+        flipped: bool = False,
+        family: int = SIDE,
+        along: float = 0.0,
+        aside: float = 0.0,
+    ) -> Grasp:
+        return cls(
+            quantise_angle(angle),
+            quantise(height),
+            flipped,
+            family,
+            quantise(along),
+            quantise(aside),
+        )
 
     @property
     def heading(self) -> float:
-        """Heading of the approach in the object's frame, radians."""
+        """Heading of the hand in the object's frame, radians."""
         return self.angle * UNIT
 
-
-class MoveBase(NamedTuple):
-    """Move-Base(b, b')."""
-
-    target: BasePose
-
-
-class Pick(NamedTuple):
-    """Pick(b, o, g) from where the robot stands."""
-
-    object: int
-    grasp: Grasp
-
-
-class Place(NamedTuple):
-    """Place(b, o, p, sigma) from where the robot stands; the placement's heading is sigma."""
-
-    object: int
-    placement: Placement
-
-
-Action = MoveBase | Pick | Place
+    @property
+    def tool(self) -> Pose:
+        """The tool frame (x: approach, y: the fingers close) in the standing frame (3, 4)."""
+        c, s = math.cos(self.heading), math.sin(self.heading)
+        along, aside, height = self.along * UNIT, self.aside * UNIT, self.height * UNIT
+        x, y = c * along - s * aside, s * along + c * aside
+        turn = -1.0 if self.flipped else 1.0
+        if self.family == SIDE:
+            axes = [[c, -s * turn, 0.0], [s, c * turn, 0.0], [0.0, 0.0, turn]]
+        elif self.family == TOP:
+            axes = [[0.0, -s * turn, c * turn], [0.0, c * turn, s * turn], [-1.0, 0.0, 0.0]]
+        else:
+            axes = [[c, 0.0, s * turn], [s, 0.0, -c * turn], [0.0, turn, 0.0]]
+        return np.column_stack([axes, [x, y, height]])
 
 
 @dataclass(frozen=True, slots=True)
 class State:
-    """The robot's base pose, where every object stands (None: held), and the grasp.
+    """The robot's base pose, where every object rests (None: held), and the grasp.
 
-    Between actions the arm is in its home posture. `task` gives domain functions access to
-    the scene's geometry; it is the same object in all states of one run.
+    Between actions the arm is in its home posture. `facts` are what further actions of a domain
+    add: pairs of a name and a value, by name. `world` gives domain functions access to the
+    scene's geometry; it is the same object in all states of one run.
     """
 
     base: BasePose
     placements: tuple[Placement | None, ...]
     held: int | None = None
     grasp: Grasp | None = None
-    task: Task = field(compare=False, repr=False, default=None)  # type: ignore[assignment]
+    facts: tuple[tuple[str, Hashable], ...] = ()
+    world: TabletopWorld = field(compare=False, repr=False, default=None)  # type: ignore[assignment]
 
-    def after(self, action: Action) -> State:
-        """The state that an action leads to (N of the paper, for an executable action)."""
-        match action:
-            case MoveBase(target):
-                return State(target, self.placements, self.held, self.grasp, self.task)
-            case Pick(index, grasp):
-                placements = (*self.placements[:index], None, *self.placements[index + 1 :])
-                return State(self.base, placements, index, grasp, self.task)
-            case Place(index, placement):
-                placements = (*self.placements[:index], placement, *self.placements[index + 1 :])
-                return State(self.base, placements, None, None, self.task)
+    def driven(self, base: BasePose) -> State:
+        """The robot stands elsewhere."""
+        return State(base, self.placements, self.held, self.grasp, self.facts, self.world)
+
+    def picked(self, index: int, grasp: Grasp) -> State:
+        """An object is in the hand."""
+        placements = (*self.placements[:index], None, *self.placements[index + 1 :])
+        return State(self.base, placements, index, grasp, self.facts, self.world)
+
+    def placed(self, index: int, placement: Placement) -> State:
+        """An object rests somewhere, and the hand is empty if it held it."""
+        placements = (*self.placements[:index], placement, *self.placements[index + 1 :])
+        if index != self.held:
+            return replace(self, placements=placements)
+        return State(self.base, placements, None, None, self.facts, self.world)
+
+    def fact(self, name: str, default: Hashable = None) -> Hashable:
+        """The value of a fact."""
+        return dict(self.facts).get(name, default)
+
+    def with_fact(self, name: str, value: Hashable) -> State:
+        """The same state with another value of a fact."""
+        facts = {**dict(self.facts), name: value}
+        return replace(self, facts=tuple(sorted(facts.items(), key=lambda item: item[0])))

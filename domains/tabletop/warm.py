@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from domains.tabletop.problem import PickPlaceProblem
+from domains.tabletop.features import functions
+from domains.tabletop.problem import TabletopProblem
 from domains.tabletop.scene.model import (
     Obstacle,
     RegionGoal,
@@ -14,7 +15,7 @@ from domains.tabletop.scene.model import (
     UprightBox,
 )
 from domains.tabletop.state import State
-from domains.tabletop.world import Task
+from domains.tabletop.world import TabletopWorld
 from runtime.motion import rrt
 from runtime.motion.arm_context import ArmContext
 from runtime.robot.model import RobotModel
@@ -28,19 +29,19 @@ def warm_up(robot: RobotModel) -> None:
     if robot.digest in _WARM:
         return
     _WARM.add(robot.digest)
-    problem = PickPlaceProblem(Task(_scene(), robot), seed=0)
+    problem = TabletopProblem(TabletopWorld.of(_scene(), robot), seed=0)
     rng = np.random.default_rng(0)
     state = problem.initial
-    task = problem.task
+    world = problem.world
     for index in range(2):
-        task.obstructions(state, index)
-        task.disturbances(state, index)
+        functions.obstructions(state, index)
+        functions.disturbances(state, index)
     for _ in range(2):
         subproblem = problem.subproblem(state, 0, rng)
         found = _first(subproblem, state)
         if found is not None:
             state = found
-    context = ArmContext(robot, robot.body(0.05), task.statics)
+    context = ArmContext(robot, robot.body(0.05), world.statics)
     path = rrt.rrt_connect(context, robot.home, robot.home * 0.999, 1, 0.1)
     if path is not None:
         rrt.shorten(context, np.vstack([path, path[::-1], path]), rng)

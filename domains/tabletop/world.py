@@ -1,298 +1,476 @@
-"""A scene and a robot: everything about a run that does not change, and the domain's
-functions over states (misplaced, obstructions, disturbances, ...)."""
+"""A scene and a robot: everything about a run that does not change.
+
+Questions about states are answered by `features`; what they cost is remembered in `memory`,
+which holds nothing that could not be computed anew.
+"""
 
 from __future__ import annotations
 
-from collections import OrderedDict
-from itertools import islice
+import math
+from collections.abc import Collection, Hashable, Iterable
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from domains.tabletop.features import swept
-from domains.tabletop.features.arrangement import Arrangement, Placements
-from domains.tabletop.features.goals import GoalSites, lattice
+from domains.tabletop.features.goals import LATTICE, GoalSites
 from domains.tabletop.features.swept import HEADINGS, STEP
 from domains.tabletop.features.words import WordGoals
-from domains.tabletop.scene.model import PoseGoal, RegionGoal, Scene
-from domains.tabletop.shapes import Shape, box_shape
-from domains.tabletop.state import BasePose, Grasp, Placement, State
-from runtime.motion.base import BaseRoads, Footprint, footprint
-from runtime.motion.room import room_around
-from runtime.robot.model import Floats, Ints, RobotModel
+from domains.tabletop.ground import Ground
+from domains.tabletop.hand import Hand, hand_of
+from domains.tabletop.items import Item
+from domains.tabletop.memory import Memory
+from domains.tabletop.scene.model import Goal, RegionGoal, Scene
+from domains.tabletop.state import UNIT, BasePose, Grasp, Placement, State
+from runtime.kernels.convex import Obstacles, boxes_only, join
+from runtime.motion.roads import Roads
+from runtime.motion.room import Room, room_around
+from runtime.robot.model import RobotModel
+from runtime.world.body import Part
+from runtime.world.packed import UPRIGHT, PackedBodies, pack_bodies, upright_row
+from runtime.world.poses import Floats, Pose, compose, upright
+from runtime.world.solids import Box
+from runtime.world.world import World
 from sketchlang.errors import InputError
 
-CACHED_OBJECTS = 12_000
-"""As many arrangements are remembered as hold so many objects together, and not less than ..."""
+if TYPE_CHECKING:
+    from domains.tabletop.features.arrangement import Arrangement
 
-MIN_CACHED = 48
-LOOK_BACK = 12
-"""Arrangements that are looked through for one that differs in one object only."""
+Ints = NDArray[np.int64]
+
+Placements = tuple[Placement | None, ...]
 
 PLACING_INSET = 0.005
-"""Metres between the edge of a surface and the outline of an object placed on it."""
+"""Metres between the edge of a support and the outline of an object placed on it."""
+
+AWAY = (1e3, 1e3, 0.0, 0.0)
+"""Where the sites on an object are that is in the hand: nobody reaches them."""
 
 
-class Task:
-    """One pick-and-place task: the features and the sampler ask it about states."""
+@dataclass(frozen=True, eq=False)
+class SiteHold:
+    """How objects of one kind are taken at a site, for the K headings: rows (K, 3) of half the
+    width and the centre of the grasp, its height, and bits of the headings that fit."""
 
-    def __init__(self, scene: Scene, robot: RobotModel) -> None:
-        self.scene = scene
-        self.robot = robot
-        self.shapes: tuple[Shape, ...] = tuple(box_shape(o.size) for o in scene.objects)
-        strip = robot.strip
-        self.strip: Floats = np.array(
-            [
-                strip.finger_back,
-                strip.finger_tip,
-                strip.arm_length,
-                strip.arm_half_width,
-                strip.finger_width,
-            ]
-        )
-        self.statics: Floats = scene.obstacle_rows
-        self.footprint: Footprint = footprint(robot, robot.body(robot.gripper.max_opening))
-        self.clearance: Floats = self.footprint.clearances(self.statics)
-        self.roads = BaseRoads(self.statics, self.clearance)
-        self.room = room_around(self.statics, self.clearance, *scene.robot_start[:2])
-        self._arrangements: OrderedDict[Placements, Arrangement] = OrderedDict()
-        self._latest: tuple[Placements, Arrangement] = ((), Arrangement(self, ()))
-        self._reachable: dict[tuple[float, float, int], int] = {}
-        self._holds: dict[object, bool] = {}
-        self._rows: dict[tuple[int, Placement], Floats] = {}
-        self._grips: dict[object, Floats] = {}
-        self._place_grips: dict[object, Floats] = {}
-        self.goals = self._static_goals()
-        self.words = WordGoals(self, scene.word) if scene.word is not None else None
-        self.initial = self._initial()
+    rows: Floats
+    height: float
+    fits: int
 
-    # -- set-up ---------------------------------------------------------------------------
 
-    def _initial(self) -> State:
-        x, y, yaw = self.scene.robot_start
-        if not self.roads.is_clear(x, y):
+@dataclass(frozen=True, eq=False)
+class TabletopWorld:
+    """One pick-and-place task. `families` are the approaches that may be used; `starts` are x, y,
+    bottom and heading of the objects at the start."""
+
+    scene: Scene
+    robot: RobotModel
+    items: tuple[Item, ...]
+    starts: tuple[tuple[float, float, float, float], ...]
+    grounds: tuple[Ground, ...]
+    hand: Hand
+    families: tuple[int, ...]
+    statics: Floats
+    roads: Roads
+    room: Room
+    memory: Memory = field(default_factory=Memory)
+
+    @classmethod
+    def of(cls, scene: Scene, robot: RobotModel) -> TabletopWorld:
+        """The world of a scene for a robot.
+
+        Raises:
+            InputError: the robot cannot stand where the scene puts it.
+        """
+        statics = fixed_rows(scene.world)
+        roads = Roads.of(robot, robot.body(robot.gripper.max_opening), statics)
+        x, y, _ = scene.robot_start
+        if not is_fixed(robot) and not roads.can_leave(scene.robot_start):
             raise InputError(
                 f"the robot cannot stand at ({x:g}, {y:g}): it would touch a table or the fence",
-                place=f"{self.scene.name}: robot_start",
+                place=f"{scene.name}: robot_start",
             )
-        placements = tuple(
-            Placement.of(*thing.start, thing.surface) for thing in self.scene.objects
+        made = [Item.of(thing) for thing in scene.world.movables]
+        items = tuple(item for item, _ in made)
+        return cls(
+            scene=scene,
+            robot=robot,
+            items=items,
+            starts=tuple(start for _, start in made),
+            grounds=grounds_of(scene, items),
+            hand=hand_of(robot),
+            families=scene.families,
+            statics=statics,
+            roads=roads,
+            room=room_around(statics, roads.clearance, x, y),
         )
-        return State(BasePose.of(x, y, yaw), placements, task=self)
 
-    def _static_goals(self) -> dict[int, GoalSites]:
-        """Goal sites of the objects whose goal does not depend on the state."""
-        regions: dict[int, GoalSites] = {}
-        goals: dict[int, GoalSites] = {}
-        for index, goal in self.scene.goals.items():
-            surface = self.scene.surfaces[goal.surface]
-            if isinstance(goal, RegionGoal):
-                if goal.surface not in regions:
-                    inset = max(s.outer_radius for s in self.shapes) + PLACING_INSET
-                    xy = lattice(surface, inset)
-                    regions[goal.surface] = GoalSites(
-                        ("region", goal.surface),
-                        goal.surface,
-                        xy,
-                        self.reachable_sites(xy, surface.rest),
-                        0.0,
-                        region=surface,
-                    )
-                goals[index] = regions[goal.surface]
-            else:
-                goals[index] = self._pose_goal(index, goal)
-        return goals
+    @cached_property
+    def initial(self) -> State:
+        """The state that the scene describes."""
+        placements: list[Placement | None] = [None] * len(self.items)
+        # Supports that never move first, then what stands on things that have been placed.
+        for i in sorted(range(len(self.items)), key=lambda i: self.starts[i][2]):
+            support = self.scene.objects[i].surface
+            pose = upright(*self.starts[i])
+            placements[i] = self.relative(tuple(placements), support, pose)
+        return State(BasePose.of(*self.scene.robot_start), tuple(placements), world=self)
 
-    def _pose_goal(self, index: int, goal: PoseGoal) -> GoalSites:
-        xy = np.array([[goal.x, goal.y]])
-        rest = self.scene.surfaces[goal.surface].rest
-        reachable = self.reachable_sites(xy, rest)
-        return GoalSites(("pose", index), goal.surface, xy, reachable, goal.tolerance)
+    @cached_property
+    def kinds(self) -> tuple[int, ...]:
+        """For each object the first one that is like it."""
+        first: dict[object, int] = {}
+        return tuple(first.setdefault(item.kind, i) for i, item in enumerate(self.items))
 
-    def reachable_sites(self, xy: Floats, rest: float) -> Ints:
-        """Bits of the headings (S,) from which the robot could grasp at sites (S, 2)."""
-        workspace = self.robot.annulus
-        height = rest + min(shape.grasp_height for shape in self.shapes)
-        bits: Ints = swept.reachable_headings(
-            xy,
-            self.strip,
-            np.array(workspace.centre),
-            workspace.wrist_offset,
-            workspace.inner,
-            workspace.outer,
-            height - 0.03,
-            height + 0.03,
-            *self.room,
-        )
-        return bits
+    @cached_property
+    def owned(self) -> dict[int, tuple[int, ...]]:
+        """The supports that belong to each object that has some."""
+        found: dict[int, list[int]] = {}
+        for i, ground in enumerate(self.grounds):
+            if ground.owner is not None:
+                found.setdefault(ground.owner, []).append(i)
+        return {owner: tuple(indices) for owner, indices in found.items()}
 
-    def reachable_at(self, placement: Placement) -> int:
-        """Bits of the headings from which the robot could grasp an object placed there."""
-        return self.reachable_xy(*placement.pose[:2], placement.surface)
+    # -- where things are -------------------------------------------------------------------
 
-    def reachable_xy(self, x: float, y: float, surface: int) -> int:
-        """The same for a point of a surface."""
-        key = (x, y, surface)
-        if key not in self._reachable:
-            sites = np.array([[x, y]])
-            rest = self.scene.surfaces[surface].rest
-            self._reachable[key] = int(self.reachable_sites(sites, rest)[0])
-        return self._reachable[key]
+    def rests(self, placements: Placements, index: int) -> tuple[float, float, float, float] | None:
+        """x, y, height of the bottom and heading of an object in the world; None where it, or
+        what it stands on, is in the hand."""
+        placement = placements[index]
+        return None if placement is None else self.rests_at(placements, index, placement)
 
-    # -- the domain's functions -------------------------------------------------------------
+    def rests_at(
+        self, placements: Placements, index: int, placement: Placement
+    ) -> tuple[float, float, float, float] | None:
+        """The same were the object at a placement; None where the support is in the hand."""
+        ground = self.grounds[placement.support]
+        x, y, yaw = placement.pose
+        if ground.owner is None:
+            return x, y, ground.height, yaw
+        below = self.rests(placements, ground.owner)
+        if below is None:
+            return None
+        bx, by, bz, byaw = below
+        c, s = math.cos(byaw), math.sin(byaw)
+        return bx + c * x - s * y, by + s * x + c * y, bz + ground.height, byaw + yaw
 
-    def arrangement(self, placements: Placements) -> Arrangement:
-        """The geometry of an arrangement, from the cache where it is known."""
-        if placements is self._latest[0]:  # hashing the places of many objects takes its time
-            return self._latest[1]
-        found = self._arrangements.get(placements)
-        if found is None:
-            found = Arrangement(self, placements, self._origin_of(placements))
-            self._arrangements[placements] = found
-            if len(self._arrangements) > max(MIN_CACHED, CACHED_OBJECTS // len(placements)):
-                self._arrangements.popitem(last=False)
-        else:
-            self._arrangements.move_to_end(placements)
-        self._latest = placements, found
-        return found
+    def pose(self, placements: Placements, index: int) -> Pose | None:
+        """The standing frame of an object in the world (3, 4), None where it is held."""
+        found = self.rests(placements, index)
+        return None if found is None else upright(*found)
 
-    def _origin_of(self, placements: Placements) -> tuple[Arrangement, int] | None:
-        """A recent arrangement that differs in one object only, and that object."""
-        for known in islice(reversed(self._arrangements), LOOK_BACK):
-            changed = -1
-            for i, (a, b) in enumerate(zip(known, placements, strict=True)):
-                if a is not b and a != b:
-                    if changed >= 0:
-                        break
-                    changed = i
-            else:
-                origin = self._arrangements[known]
-                origin.settle()
-                return origin, changed
-        return None
+    def relative(self, placements: Placements, support: int, pose: Pose) -> Placement | None:
+        """The placement of something with a standing frame in the world (3, 4) on a support;
+        None where the support is in the hand."""
+        ground = self.grounds[support]
+        x, y, yaw = pose[0, 3], pose[1, 3], math.atan2(pose[1, 0], pose[0, 0])
+        if ground.owner is not None:
+            below = self.rests(placements, ground.owner)
+            if below is None:
+                return None
+            c, s = math.cos(below[3]), math.sin(below[3])
+            dx, dy = x - below[0], y - below[1]
+            x, y, yaw = c * dx + s * dy, c * dy - s * dx, yaw - below[3]
+        return Placement.of(x, y, yaw, support)
 
-    def goal_sites(self, index: int, arrangement: Arrangement) -> GoalSites | None:
-        """Where an object should stand, or None where it may stand anywhere."""
-        if self.words is not None:
-            return arrangement.letters.get(index)
-        return self.goals.get(index)
-
-    def misplaced(self, state: State) -> frozenset[int]:
-        """Objects that stand outside their goal, or are held and their goal is blocked."""
-        arrangement = self.arrangement(state.placements)
-        known = arrangement.misplaced.get(state.grasp)
-        if known is None:
-            known = arrangement.misplaced[state.grasp] = frozenset(
-                index
-                for index in range(len(state.placements))
-                if self._is_misplaced(state, index, arrangement)
-            )
-        return known
-
-    def _is_misplaced(self, state: State, index: int, arrangement: Arrangement) -> bool:
-        goal = self.goal_sites(index, arrangement)
-        if goal is None:
-            return False
-        placement = state.placements[index]
-        if placement is None:
-            return arrangement.obstructions(index, goal, state.grasp) > 0
-        key = (goal.key, placement)
-        holds = self._holds.get(key)
-        if holds is None:
-            holds = self._holds[key] = goal.holds(placement)
-        return not holds
-
-    def obstructions(self, state: State, index: int) -> int:
-        """alpha of an object: fewest objects in the way of picking it up and of putting it
-        at its goal with the same grasp (0 for an object without a goal)."""
-        arrangement = self.arrangement(state.placements)
-        goal = self.goal_sites(index, arrangement)
-        if goal is None:
-            return 0
-        grasp = state.grasp if state.held == index else None
-        return arrangement.obstructions(index, goal, grasp)
-
-    def goal_placements(self, state: State, index: int) -> tuple[Placement, ...]:
-        """Goal placements of an object that no other object occupies."""
-        arrangement = self.arrangement(state.placements)
-        goal = self.goal_sites(index, arrangement)
-        if goal is None:
+    def riders(self, placements: Placements, index: int) -> tuple[int, ...]:
+        """Objects that rest on an object, or on what rests on it."""
+        grounds = self.owned.get(index)
+        if not grounds:
             return ()
-        radius = self.shapes[index].inner_radius
-        taken = swept.occupied_sites(goal.xy, radius, arrangement.boxes, index)
-        return tuple(
-            placement
-            for placement, occupied in zip(goal.placements, taken, strict=True)
-            if not occupied
+        direct = [i for i, p in enumerate(placements) if p is not None and p.support in grounds]
+        return tuple(direct) + tuple(r for i in direct for r in self.riders(placements, i))
+
+    def box_row(self, index: int, at: tuple[float, float, float, float]) -> Floats:
+        """The upright box around an object that rests at x, y, height and heading (8,)."""
+        x, y, z, yaw = at
+        a, b, c = self.items[index].size
+        return np.array([x, y, z + c / 2, a / 2, b / 2, c / 2, math.cos(yaw), math.sin(yaw)])
+
+    @cached_property
+    def packed(self) -> PackedBodies | None:
+        """The solids of all objects, as they stand, and of what is fixed, in one table; None
+        where all of them are upright boxes."""
+        fixed = [thing.body for thing in self.scene.world.fixed]
+        parts = [part for item in self.items for part in item.parts]
+        parts += [
+            Part(p.solid, compose(f.pose, p.pose))
+            for f in self.scene.world.fixed
+            for p in f.body.parts
+        ]
+        if all(_is_upright_box(part) for part in parts):
+            return None
+        standing = [replace(item.body, parts=item.parts, mesh=None) for item in self.items]
+        return pack_bodies([*standing, *fixed])
+
+    @cached_property
+    def fixed(self) -> Obstacles:
+        """What never moves."""
+        things = self.scene.world.fixed
+        if self.packed is None:
+            return boxes_only(self.statics)
+        n = len(self.items)
+        return join(*(self.packed.at(n + i, thing.pose) for i, thing in enumerate(things)))
+
+    def object_at(self, index: int, at: tuple[float, float, float, float]) -> Obstacles:
+        """The solids of an object that rests at x, y, height and heading."""
+        return self.memory.answer(
+            "solids", (self.kinds[index], at), lambda: self._object_at(self.kinds[index], at)
         )
 
-    def disturbed_by(self, state: State, index: int, placement: Placement) -> int:
-        """How many other misplaced objects are obstructed more with the object there."""
-        return self._without(state, index).disturbed_by(index, placement, self.misplaced(state))
+    def _object_at(self, index: int, at: tuple[float, float, float, float]) -> Obstacles:
+        if self.packed is None:
+            return boxes_only(self.box_row(index, at)[None])
+        return self.packed.at(index, upright(*at))
 
-    def disturbances(self, state: State, index: int) -> int:
-        """beta of an object: fewest misplaced objects that a goal place of it blocks."""
-        arrangement = self.arrangement(state.placements)
-        goal = self.goal_sites(index, arrangement)
-        if goal is None:
-            return 0
-        misplaced = self.misplaced(state)
-        without = self._without(state, index)
-        fewest = len(misplaced)
-        for placement in self.goal_placements(state, index) or goal.placements:
-            fewest = min(fewest, without.disturbed_by(index, placement, misplaced))
-            if fewest == 0:
-                break
-        return fewest
+    def obstacles(self, placements: Placements, without: Collection[int]) -> Obstacles:
+        """What is fixed and all objects that rest, but for some."""
+        groups = [self.fixed]
+        for i in range(len(placements)):
+            at = None if i in without else self.rests(placements, i)
+            if at is not None:
+                groups.append(self.object_at(i, at))
+        return join(*groups)
 
-    def _without(self, state: State, index: int) -> Arrangement:
-        placements = state.placements
-        if placements[index] is not None:
-            placements = (*placements[:index], None, *placements[index + 1 :])
-        return self.arrangement(placements)
+    def rider_parts(self, placements: Placements, index: int) -> tuple[Part, ...]:
+        """The solids of what rests on an object, in the object's standing frame."""
+        found: list[Part] = []
+        for rider in self.riders(placements, index):
+            at = self.rests_on(placements, rider, index)
+            found += [Part(p.solid, compose(at, p.pose)) for p in self.items[rider].parts]
+        return tuple(found)
 
-    # -- what actions need -------------------------------------------------------------------
+    def rests_on(self, placements: Placements, rider: int, below: int) -> Pose:
+        """The standing frame of a rider (3, 4) in that of the object it is carried by."""
+        pose = upright(0.0, 0.0, 0.0, 0.0)
+        index = rider
+        while index != below:
+            placement = placements[index]
+            assert placement is not None
+            ground = self.grounds[placement.support]
+            assert ground.owner is not None
+            x, y, yaw = placement.pose
+            pose = compose(upright(x, y, ground.height, yaw), pose)
+            index = ground.owner
+        return pose
 
-    def object_row(self, index: int, placement: Placement) -> Floats:
-        """An object at a placement, packed for the kernels (8,)."""
-        key = (index, placement)
-        row = self._rows.get(key)
-        if row is None:
-            box = self.scene.object_box(index, *placement.pose, placement.surface)
-            row = self._rows[key] = box.row()
-        return row
+    def own(self, index: int) -> Floats:
+        """What an object takes up where it stands, whatever its heading: radius and height."""
+        item = self.items[index]
+        return np.array([item.inner_radius, item.size[2]])
 
-    def grips(self, index: int, yaw: float) -> Floats:
-        """Half the width (K,) of an object with a heading, across each approach heading."""
-        key = (self.shapes[index].size, yaw)
-        grips = self._grips.get(key)
-        if grips is None:
-            angles = np.linspace(0.0, HEADINGS * STEP, HEADINGS, endpoint=False) - yaw
-            grips = self._grips[key] = self.shapes[index].widths(angles) / 2
-        return grips
+    # -- how things are taken -----------------------------------------------------------------
 
-    def place_grips(self, index: int, goal: GoalSites | None, grasp: Grasp | None) -> Floats:
-        """Half the width (K,) of an object between the fingers, for each heading with which
-        it can be put at a goal: given by its heading there where that is prescribed, else by
-        the grasp that holds it, else that of its narrowest grasp."""
-        yaw = None if goal is None else goal.yaw
-        key = (self.shapes[index].size, yaw, None if grasp is None else grasp.angle)
-        grips = self._place_grips.get(key)
-        if grips is None:
-            if yaw is not None:
-                grips = self.grips(index, yaw)
-            elif grasp is not None:
-                width = round(self.shapes[index].width(grasp.heading) / 2, 4)
-                grips = np.full(HEADINGS, width)
+    def hold(self, index: int, family: int, yaw: float) -> SiteHold:
+        """How an object that stands with a heading is taken along each heading of the hand."""
+        kind = self.kinds[index]
+        return self.memory.answer(
+            "holds", (kind, family, yaw), lambda: self._hold(self.items[kind], family, yaw)
+        )
+
+    def _hold(self, item: Item, family: int, yaw: float) -> SiteHold:
+        angles: Floats = np.arange(HEADINGS, dtype=np.float64) * STEP - yaw
+        found = item.holds(self.hand, family, angles)
+        if found is None:
+            return SiteHold(np.zeros((HEADINGS, 3)), 0.0, 0)
+        rows = np.column_stack([found.width / 2, found.along, found.aside])
+        fits = sum(1 << k for k in range(HEADINGS) if found.fits[k])
+        return SiteHold(rows, found.height, fits)
+
+    def place_hold(
+        self, index: int, family: int, yaw: float | None, grasp: Grasp | None
+    ) -> SiteHold:
+        """How an object is held while it is put down, for each heading of the hand there: given
+        by its heading there where that is prescribed, else by the grasp that holds it, else
+        that of its narrowest grasp."""
+        if yaw is not None:
+            return self.hold(index, family, yaw)
+        key = (self.kinds[index], family, grasp)
+        return self.memory.answer(
+            "place holds", key, lambda: self._place_hold(index, family, grasp)
+        )
+
+    def _place_hold(self, index: int, family: int, grasp: Grasp | None) -> SiteHold:
+        if grasp is not None:
+            found = self.items[index].holds(self.hand, family, np.array([grasp.heading]))
+            width = 0.0 if found is None else round(float(found.width[0]) / 2, 4)
+            row = [width, grasp.along * UNIT, grasp.aside * UNIT]
+            height = grasp.height * UNIT
+            fits = swept.ALL if grasp.family == family else 0
+            return SiteHold(np.tile(row, (HEADINGS, 1)), height, fits)
+        hold = self.hold(index, family, 0.0)
+        if not hold.fits:
+            return hold
+        fitting = [k for k in range(HEADINGS) if (hold.fits >> k) & 1]
+        best = min(fitting, key=lambda k: (hold.rows[k, 0], k))
+        return SiteHold(np.tile(hold.rows[best], (HEADINGS, 1)), hold.height, swept.ALL)
+
+    # -- what the robot can get to ---------------------------------------------------------------
+
+    def reachable(self, sites: Floats, own: Floats, hold: SiteHold, family: int) -> Ints:
+        """Bits of the headings (S,) from which the robot could take, at sites (S, 3), something
+        that is held in a way, as far as what never moves is concerned."""
+        open_ways = swept.open_headings(
+            sites, hold.rows, hold.height, own, self.statics, self.hand.sweeps[family]
+        )
+        open_ways &= hold.fits
+        out: Ints = np.zeros(len(sites), dtype=np.int64)
+        for height in np.unique(sites[:, 2]).tolist():
+            level = sites[:, 2] == height
+            workspace = self.hand.workspace(family, height + hold.height)
+            if workspace is None:
+                continue
+            wrist, inner, outer = workspace
+            if self.is_fixed:
+                base = np.array(self.scene.robot_start)
+                out[level] = swept.fixed_headings(
+                    sites[level],
+                    hold.rows,
+                    open_ways[level],
+                    base,
+                    self.shoulder,
+                    wrist,
+                    inner,
+                    outer,
+                )
             else:
-                grips = np.full(HEADINGS, self.grips(index, 0.0).min())
-            self._place_grips[key] = grips
-        return grips
+                out[level] = swept.stand_headings(
+                    sites[level], hold.rows, open_ways[level], self.shoulder, wrist, inner, outer,
+                    *self.room,
+                )  # fmt: skip
+        return out
 
-    def world_rows(self, state: State, without: int | None = None) -> Floats:
-        """Obstacles and standing objects packed for the kernels (w, 8)."""
-        rows = [
-            self.object_row(i, placement)
-            for i, placement in enumerate(state.placements)
-            if placement is not None and i != without
-        ]
-        return np.vstack([self.statics, *rows]) if rows else self.statics
+    @property
+    def is_fixed(self) -> bool:
+        """Whether the robot cannot drive."""
+        return is_fixed(self.robot)
+
+    @cached_property
+    def shoulder(self) -> Floats:
+        """Where the shoulder axis stands in the base frame (2,)."""
+        return np.array(self.robot.annulus.centre)
+
+    def reachable_goal(
+        self, goal: GoalSites, index: int, family: int, hold: SiteHold, key: Hashable
+    ) -> Ints:
+        """The same for the sites of a goal of an object; `key` tells the hold."""
+        question = (goal.key, self.kinds[index], family, key)
+        own = self.own(index)
+        if goal.frame is None:
+            return self.memory.answer(
+                "reachable goals", question, lambda: self.reachable(goal.xyz, own, hold, family)
+            )
+        return self.reachable(goal.xyz, own, hold, family)
+
+    def has_room(self, x: float, y: float, yaw: float) -> bool:
+        """Whether the robot can get to a position and turn there."""
+        return self.room.contains(x, y)
+
+    def is_narrow(self, x: float, y: float, yaw: float) -> bool:
+        """Whether the robot can stand somewhere with a heading, though it cannot turn there: it
+        comes in and leaves along a lane."""
+        lane = self.roads.lane((x, y, yaw))
+        return lane is not None and self.room.contains(*lane)
+
+    # -- goals ----------------------------------------------------------------------------------
+
+    @cached_property
+    def words(self) -> WordGoals | None:
+        """Where the letters of the scene's word belong."""
+        return WordGoals(self, self.scene.word) if self.scene.word is not None else None
+
+    @cached_property
+    def goals(self) -> dict[int, GoalSites]:
+        """Goal sites of the objects whose goal does not depend on where other objects are."""
+        return {
+            index: self._sites(index, goal, None)
+            for index, goal in self.scene.goals.items()
+            if self.grounds[goal.surface].owner is None
+        }
+
+    def wanted(self, here: Arrangement) -> Iterable[int]:
+        """Objects of which something is wanted."""
+        return self.letters(here) if self.words is not None else self.scene.goals
+
+    def letters(self, here: Arrangement) -> dict[int, GoalSites]:
+        """Where the letters of the scene's word belong in an arrangement."""
+        assert self.words is not None
+        if "word" not in here.letters:
+            here.letters["word"] = self.words.assign(here)
+        return here.letters["word"]
+
+    def goal_sites(self, index: int, here: Arrangement) -> GoalSites | None:
+        """Where an object should be, or None where it may be anywhere."""
+        if self.words is not None:
+            return self.letters(here).get(index)
+        fixed = self.goals.get(index)
+        if fixed is not None:
+            return fixed
+        goal = self.scene.goals.get(index)
+        return None if goal is None else self._sites(index, goal, here)
+
+    def _sites(self, index: int, goal: Goal, here: Arrangement | None) -> GoalSites:
+        """The sites of a goal; on a support that can be moved they are where it is now."""
+        ground = self.grounds[goal.surface]
+        below = (0.0, 0.0, 0.0, 0.0)
+        if ground.owner is not None:
+            assert here is not None
+            below = self.rests(here.placements, ground.owner) or AWAY
+        key: tuple[object, ...]
+        if isinstance(goal, RegionGoal):
+            inset = PLACING_INSET + max(item.outer_radius for item in self.items)
+            if ground.owner is not None or inset > min(ground.half):
+                inset = PLACING_INSET + self.items[index].outer_radius
+            xy = ground.lattice(LATTICE, inset)
+            key, region = ("region", goal.surface, round(inset, 6)), ground
+            tolerance, yaw = 0.0, None
+        else:
+            xy, region = np.array([[goal.x, goal.y]]), None
+            key, tolerance, yaw = ("pose", index), goal.tolerance, getattr(goal, "yaw", None)
+        c, s = math.cos(below[3]), math.sin(below[3])
+        turned = xy @ np.array([[c, s], [-s, c]])
+        xyz = np.column_stack([turned + below[:2], np.full(len(xy), below[2] + ground.height)])
+        return GoalSites(
+            key if ground.owner is None else (*key, below),
+            goal.surface,
+            xy,
+            xyz,
+            tolerance,
+            yaw,
+            self.items[index].symmetry,
+            region,
+            None if ground.owner is None else below[3],
+        )
+
+
+def is_fixed(robot: RobotModel) -> bool:
+    """Whether a robot cannot drive."""
+    return getattr(robot.base, "type", "differential") == "fixed"
+
+
+def fixed_rows(world: World) -> Floats:
+    """The upright boxes around the solids of what is fixed, packed for the kernels (w, 8)."""
+    rows = [
+        upright_row(part.solid, compose(thing.pose, part.pose))
+        for thing in world.fixed
+        for part in thing.body.parts
+    ]
+    return np.array(rows).reshape(-1, 8)
+
+
+def _is_upright_box(part: Part) -> bool:
+    return isinstance(part.solid, Box) and abs(abs(part.pose[2, 2]) - 1) < UPRIGHT
+
+
+def grounds_of(scene: Scene, items: tuple[Item, ...]) -> tuple[Ground, ...]:
+    """The supports of a scene, by the objects that own them."""
+    world = scene.world
+    index = {thing.name: i for i, thing in enumerate(world.movables)}
+    found = []
+    for support in world.supports:
+        owner = index.get(support.owner)
+        pose = support.pose if owner is None else compose(items[owner].standing, support.pose)
+        found.append(Ground(support.name, owner, pose, support.half, support.clearance))
+    return tuple(found)

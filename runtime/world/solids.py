@@ -113,3 +113,25 @@ class Hull:
 
 
 Solid = Box | Cylinder | Sphere | Capsule | Hull
+
+
+def smaller(solid: Solid, by: float) -> Solid:
+    """A solid that is `by` metres smaller on every side, or nearly so for a hull; what is
+    thinner than that keeps a hundredth of it."""
+    least = 0.01 * by
+
+    def less(value: float, times: float = 1.0) -> float:
+        return max(value - times * by, least)
+
+    match solid:
+        case Box((x, y, z)):
+            return Box((less(x, 2), less(y, 2), less(z, 2)))
+        case Cylinder(radius, height):
+            return Cylinder(less(radius), less(height, 2))
+        case Sphere(radius):
+            return Sphere(less(radius))
+        case Capsule(radius, height):
+            return Capsule(less(radius), height)
+        case Hull():
+            share = less(min(solid.half)) / min(solid.half)
+            return Hull(tuple((x * share, y * share, z * share) for x, y, z in solid.corners))

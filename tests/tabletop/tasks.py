@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from domains.tabletop.problem import PickPlaceProblem
+from domains.tabletop.problem import TabletopProblem
 from domains.tabletop.scene.load import load_scene
-from domains.tabletop.world import Task
+from domains.tabletop.world import TabletopWorld
 from runtime.robot.load import load_robot
 from tests.tabletop.scene.texts import TABLES, write_scene
 
@@ -19,12 +19,12 @@ def stick(name: str, x: float, y: float, more: str = "") -> str:
     return f'[[object]]\nname = "{name}"\nsize = [0.04, 0.04, 0.2]\nat = [{x}, {y}]\n{more}\n'
 
 
-def task(folder: Path, *entries: str) -> Task:
+def task(folder: Path, *entries: str) -> TabletopWorld:
     """The task of a scene with the given objects and goals."""
     text = "robot_start = [-0.5, 0.0, 0.0]\n" + TABLES + "\n" + "\n".join(entries)
-    return Task(load_scene(write_scene(folder, text)), load_robot("tiago"))
+    return TabletopWorld.of(load_scene(write_scene(folder, text)), load_robot("tiago"))
 
 
-def problem(folder: Path, *entries: str) -> PickPlaceProblem:
+def problem(folder: Path, *entries: str) -> TabletopProblem:
     """The same, ready to be searched."""
-    return PickPlaceProblem(task(folder, *entries), seed=0)
+    return TabletopProblem(task(folder, *entries), seed=0)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks.estimates import compare
-from domains.tabletop.problem import PickPlaceProblem
+from domains.tabletop.problem import TabletopProblem
 from tests.tabletop.tasks import ON_RIGHT, stick, task
 from tests.tabletop.test_features import random_sticks
 
@@ -19,7 +19,7 @@ def test_the_estimate_mostly_agrees_with_what_is_reachable(
     rng = np.random.default_rng(seed)
     sticks = [stick(f"o{i}", x, y) for i, (x, y) in enumerate(random_sticks(rng, count))]
     the = task(tmp_path, *sticks, ON_RIGHT.format("o0"))
-    counts = compare(PickPlaceProblem(the, 0), rng)
+    counts = compare(TabletopProblem(the, 0), rng)
     total = sum(counts.values())
     optimistic, pessimistic = counts[True, False], counts[False, True]
     record_property("headings", total)

@@ -7,9 +7,10 @@ import math
 import numpy as np
 import pytest
 
+from domains.tabletop.actions.actions import Pick, Place
 from domains.tabletop.actions.reach import Reach
-from domains.tabletop.problem import PickPlaceProblem
-from domains.tabletop.state import BasePose, Grasp, Pick, Place, Placement, State
+from domains.tabletop.problem import TabletopProblem
+from domains.tabletop.state import BasePose, Grasp, Placement, State
 from tests.tabletop.tasks import ON_RIGHT, stick, task
 
 HERE = BasePose.of(-0.05, 0.6, 0.0)
@@ -17,19 +18,19 @@ PICK = Pick(0, Grasp.of(0.0, 0.12))
 
 
 @pytest.fixture
-def problem(tmp_path) -> PickPlaceProblem:
+def problem(tmp_path) -> TabletopProblem:
     sticks = [stick("a", 0.65, 0.6), stick("b", 0.8, 0.75), stick("far", 0.8, -1.0)]
-    return PickPlaceProblem(task(tmp_path, *sticks, ON_RIGHT.format("a")), 0)
+    return TabletopProblem(task(tmp_path, *sticks, ON_RIGHT.format("a")), 0)
 
 
-def standing(problem: PickPlaceProblem, index: int, x: float, y: float, surface: int) -> State:
+def standing(problem: TabletopProblem, index: int, x: float, y: float, surface: int) -> State:
     """The initial state seen from HERE, with one object elsewhere."""
     placements = list(problem.initial.placements)
     placements[index] = Placement.of(x, y, 0.0, surface)
-    return State(HERE, tuple(placements), task=problem.task)
+    return State(HERE, tuple(placements), task=problem.world)
 
 
-def asked(problem: PickPlaceProblem, monkeypatch) -> list[int]:
+def asked(problem: TabletopProblem, monkeypatch) -> list[int]:
     """Grows by one with each inverse kinematics that is really computed."""
     computed: list[int] = []
     solve = problem.executor.solver.solve

@@ -9,12 +9,13 @@ import numpy as np
 import pytest
 
 from domains.tabletop import Object, disturbances, misplaced, obstructions
+from domains.tabletop.actions.actions import MoveBase, Pick, Place
 from domains.tabletop.features.swept import PLAY, STEP
 from domains.tabletop.scene.generate import sorting_scene
 from domains.tabletop.scene.load import load_scene
 from domains.tabletop.scene.model import UprightBox
-from domains.tabletop.state import BasePose, Grasp, MoveBase, Pick, Place, Placement, State
-from domains.tabletop.world import Task
+from domains.tabletop.state import BasePose, Grasp, Placement, State
+from domains.tabletop.world import TabletopWorld
 from runtime.robot.load import load_robot
 from sketchlang.compile import CompiledSketch, compile_sketch
 from sketchlang.loader import load_sketch
@@ -78,7 +79,7 @@ def test_taking_the_obstructing_sticks_away_frees_the_one_inside(tmp_path) -> No
     counts = [obstructions(state, Object(0))]
     for i in range(len(RING)):
         away = Placement.of(0.65 + 0.05 * i, -1.1, 0.0, 1)
-        state = state.after(Pick(1 + i, Grasp.of(0.0, 0.12))).after(Place(1 + i, away))
+        state = state.after_(Pick(1 + i, Grasp.of(0.0, 0.12))).after(Place(1 + i, away))
         counts.append(obstructions(state, Object(0)))
     assert counts[0] > 0
     assert counts[-1] == 0
@@ -121,21 +122,26 @@ def test_a_table_out_of_reach_is_obstructed_beyond_count(tmp_path) -> None:
 # -- brute force -------------------------------------------------------------------------------
 
 
-def row_of(the: Task, index: int, placement: Placement) -> np.ndarray:
+def row_of(the: TabletopWorld, index: int, placement: Placement) -> np.ndarray:
     x, y, yaw = placement.pose
     size = the.scene.objects[index].size
     rest = the.scene.surfaces[placement.surface].rest
     return UprightBox((x, y, rest + size[2] / 2), size, yaw).row()
 
 
-def half_width(the: Task, index: int, angle: float) -> float:
+def half_width(the: TabletopWorld, index: int, angle: float) -> float:
     """Half the width of an object for an approach heading in its own frame."""
     sx, sy, _ = the.scene.objects[index].size
     return (sx * abs(math.sin(angle)) + sy * abs(math.cos(angle))) / 2
 
 
 def least_barred(
-    the: Task, state: State, index: int, site: tuple[float, float], surface: int, grips: list[float]
+    the: TabletopWorld,
+    state: State,
+    index: int,
+    site: tuple[float, float],
+    surface: int,
+    grips: list[float],
 ) -> int:
     """Fewest objects that bar a heading to a site."""
     reachable = headings_of(the.reachable_xy(*site, surface))
@@ -152,7 +158,7 @@ def least_barred(
     )
 
 
-def brute_force(the: Task, state: State, index: int) -> int:
+def brute_force(the: TabletopWorld, state: State, index: int) -> int:
     """alpha of a standing object whose goal is a region: least for picking, plus least for
     placing it somewhere."""
     placement = state.placements[index]
@@ -169,7 +175,12 @@ def brute_force(the: Task, state: State, index: int) -> int:
 
 
 def barring(
-    the: Task, state: State, index: int, site: tuple[float, float], surface: int, grips: list[float]
+    the: TabletopWorld,
+    state: State,
+    index: int,
+    site: tuple[float, float],
+    surface: int,
+    grips: list[float],
 ) -> list[set[int]]:
     """For each heading from which the robot could come to a site, the objects that bar it."""
     barred = {
@@ -183,7 +194,7 @@ def barring(
     return [{j for j in barred if k in barred[j]} for k in sorted(reachable)]
 
 
-def fewest_to_move(the: Task, state: State, index: int) -> int:
+def fewest_to_move(the: TabletopWorld, state: State, index: int) -> int:
     """alpha of a standing object whose goal is a point: fewest objects that bar a heading to
     it or a heading to its goal."""
     placement, goal = state.placements[index], the.goals[index]
@@ -244,24 +255,24 @@ def test_brute_force_has_seen_obstructions(tmp_path) -> None:
 # -- functions of the state alone --------------------------------------------------------------
 
 
-def wander(the: Task, rng: np.random.Generator, steps: int) -> list[State]:
+def wander(the: TabletopWorld, rng: np.random.Generator, steps: int) -> list[State]:
     """States of a random walk, executable or not."""
     states = [the.initial]
     while len(states) < steps:
         state = states[-1]
         if state.held is None:
             index = int(rng.integers(len(state.placements)))
-            state = state.after(Pick(index, Grasp.of(rng.uniform(0, 6), 0.12)))
+            state = state.after_(Pick(index, Grasp.of(rng.uniform(0, 6), 0.12)))
         else:
             x, y = rng.uniform(-0.2, 0.2, 2)
             surface = int(rng.integers(2))
             at = Placement.of(0.8 + x, (0.6, -0.9)[surface] + y, rng.uniform(0, 6), surface)
-            state = state.after(Place(state.held, at))
-        states.append(state.after(MoveBase(BasePose.of(*rng.uniform(-1, 1, 2), 0.0))))
+            state = state.after_(Place(state.held, at))
+        states.append(state.after_(MoveBase(BasePose.of(*rng.uniform(-1, 1, 2), 0.0))))
     return states
 
 
-def crowded(folder: Path) -> Task:
+def crowded(folder: Path) -> TabletopWorld:
     rng = np.random.default_rng(7)
     entries = [stick(f"o{i}", x, y) for i, (x, y) in enumerate(random_sticks(rng, 6))]
     goals = [ON_RIGHT.format("o0"), ON_RIGHT.format("o1"), AT.format("o2", 0.9, -0.8)]
@@ -282,7 +293,7 @@ def test_features_do_not_depend_on_what_was_asked_before(tmp_path, sketch) -> No
 def test_features_do_not_depend_on_where_the_robot_stands(tmp_path, sketch) -> None:
     the = crowded(tmp_path)
     for state in wander(the, np.random.default_rng(4), 10):
-        elsewhere = state.after(MoveBase(BasePose.of(-1.0, 1.0, 2.0)))
+        elsewhere = state.after_(MoveBase(BasePose.of(-1.0, 1.0, 2.0)))
         assert features(sketch, state) == features(sketch, elsewhere)
 
 
@@ -309,13 +320,13 @@ def test_what_is_carried_over_is_what_would_be_computed_anew(tmp_path) -> None:
     for step in range(40):
         if state.held is None:
             index = int(rng.integers(2, len(scene.objects)))
-            state = state.after(Pick(index, Grasp.of(rng.uniform(0, 6), 0.12)))
+            state = state.after_(Pick(index, Grasp.of(rng.uniform(0, 6), 0.12)))
         else:
             # Around two objects that stay, so that some bar the way to others.
             beside, angle = state.placements[int(rng.integers(2))], rng.uniform(0, 6)
             assert beside is not None
             x, y = beside.pose[0] + 0.06 * math.cos(angle), beside.pose[1] + 0.06 * math.sin(angle)
-            state = state.after(Place(state.held, Placement.of(x, y, angle, beside.surface)))
+            state = state.after_(Place(state.held, Placement.of(x, y, angle, beside.surface)))
         found = [the.obstructions(state, i) for i in range(len(scene.objects))]
         if step % 5 >= 3:
             fresh = Task(scene, robot)

@@ -9,10 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from domains.tabletop.problem import PickPlaceProblem, PickPlaceSubproblem
+from domains.tabletop.actions.actions import MoveBase, Pick, Place
+from domains.tabletop.problem import TabletopProblem, TabletopSubproblem
 from domains.tabletop.scene.model import UprightBox
-from domains.tabletop.state import Grasp, MoveBase, Pick, Place, Placement, State
-from domains.tabletop.world import Task
+from domains.tabletop.state import Grasp, Placement, State
+from domains.tabletop.world import TabletopWorld
 from runtime.judge.contacts import Exact, Track
 from runtime.judge.skeleton import Skeleton
 from runtime.motion.motion import ArmMove, BaseMove, GripperMove
@@ -25,7 +26,7 @@ ATTEMPTS = range(3)
 
 
 @pytest.fixture
-def crowded(tmp_path: Path) -> PickPlaceProblem:
+def crowded(tmp_path: Path) -> TabletopProblem:
     """Five sticks close together, two of which go to the other table."""
     places = [(0.75, 0.55), (0.82, 0.62), (0.7, 0.7), (0.9, 0.5), (0.8, 0.75)]
     entries = [stick(f"o{i}", x, y) for i, (x, y) in enumerate(places)]
@@ -33,18 +34,18 @@ def crowded(tmp_path: Path) -> PickPlaceProblem:
     return problem(tmp_path, *entries)
 
 
-def subproblems(the: PickPlaceProblem, state: State) -> list[PickPlaceSubproblem]:
+def subproblems(the: TabletopProblem, state: State) -> list[TabletopSubproblem]:
     return [
         the.subproblem(state, attempt, np.random.default_rng(seed))
         for attempt, seed in itertools.product(ATTEMPTS, SEEDS)
     ]
 
 
-def held_states(the: PickPlaceProblem) -> list[State]:
-    return [the.initial.after(Pick(i, Grasp.of(0.3 * i, 0.12))) for i in (0, 1, 3)]
+def held_states(the: TabletopProblem) -> list[State]:
+    return [the.initial.after_(Pick(i, Grasp.of(0.3 * i, 0.12))) for i in (0, 1, 3)]
 
 
-def box_of(task: Task, index: int, placement: Placement) -> UprightBox:
+def box_of(task: TabletopWorld, index: int, placement: Placement) -> UprightBox:
     return task.scene.object_box(index, *placement.pose, placement.surface)
 
 
@@ -53,7 +54,7 @@ def outline(box: UprightBox) -> list[tuple[float, float]]:
     return [box.world(x * sx / 2, y * sy / 2) for x in (-1, 1) for y in (-1, 1)]
 
 
-def placements(the: PickPlaceProblem) -> list[tuple[State, Placement]]:
+def placements(the: TabletopProblem) -> list[tuple[State, Placement]]:
     found = []
     for state in held_states(the):
         for subproblem in subproblems(the, state):
@@ -64,13 +65,13 @@ def placements(the: PickPlaceProblem) -> list[tuple[State, Placement]]:
 
 def test_sampled_placements_are_inside_their_surface(crowded) -> None:
     for state, placement in placements(crowded):
-        surface = crowded.task.scene.surfaces[placement.surface]
-        for x, y in outline(box_of(crowded.task, state.held, placement)):
+        surface = crowded.world.scene.surfaces[placement.surface]
+        for x, y in outline(box_of(crowded.world, state.held, placement)):
             assert surface.contains(x, y)
 
 
 def test_sampled_placements_touch_nothing_that_stands(crowded) -> None:
-    task = crowded.task
+    task = crowded.world
     for state, placement in placements(crowded):
         box = box_of(task, state.held, placement).row()
         for j, other in enumerate(state.placements):
@@ -80,7 +81,7 @@ def test_sampled_placements_touch_nothing_that_stands(crowded) -> None:
 
 
 def test_sampled_base_poses_are_free_of_contact(crowded) -> None:
-    task = crowded.task
+    task = crowded.world
     skeleton, exact = Skeleton(task.robot), Exact()
     poses = {
         action.target.pose
@@ -102,7 +103,7 @@ def test_sampled_base_poses_are_free_of_contact(crowded) -> None:
 
 
 def test_sampled_grasps_fit_the_gripper(crowded) -> None:
-    task = crowded.task
+    task = crowded.world
     for subproblem in subproblems(crowded, crowded.initial):
         for index, grasps in subproblem.samples.picks:
             for grasp in grasps:
@@ -114,10 +115,10 @@ def test_sampled_grasps_fit_the_gripper(crowded) -> None:
 def test_grasps_along_the_sides_come_first(tmp_path, yaw) -> None:
     """Wherever one of them is free, fingers lie flat."""
     the = problem(tmp_path, stick("a", 0.8, 0.6, f"yaw = {yaw}"), ON_RIGHT.format("a"))
-    narrowest = the.task.shapes[0].inner_radius * 2
+    narrowest = the.world.shapes[0].inner_radius * 2
     for seed in SEEDS:
         ((_, grasps),) = the.subproblem(the.initial, 0, np.random.default_rng(seed)).samples.picks
-        widths = [the.task.shapes[0].width(grasp.heading) for grasp in grasps]
+        widths = [the.world.shapes[0].width(grasp.heading) for grasp in grasps]
         flat = [width == pytest.approx(narrowest, abs=1e-4) for width in widths]
         assert flat[0]
         assert flat == sorted(flat, reverse=True)
@@ -170,8 +171,8 @@ def test_a_failed_subproblem_is_sampled_more_densely(crowded) -> None:
 
 
 def test_in_arm_workspace_is_an_annulus_for_the_wrist(crowded, rng) -> None:
-    task, executor = crowded.task, crowded.executor
-    workspace = task.robot.annulus
+    task, executor = crowded.world, crowded.executor
+    workspace = task.robot.workspace
     base = crowded.initial.base
     x, y, yaw = base.pose
     axis = np.array([x, y]) + np.array(
@@ -201,7 +202,7 @@ def test_in_arm_workspace_is_an_annulus_for_the_wrist(crowded, rng) -> None:
     assert crowded.profile.in_arm_workspace.calls == before + len(targets)
 
 
-def first_pick(the: PickPlaceProblem) -> tuple[State, Pick, PickPlaceSubproblem]:
+def first_pick(the: TabletopProblem) -> tuple[State, Pick, TabletopSubproblem]:
     """A sampled base move followed by a sampled pick that is executable."""
     for seed in range(10):
         subproblem = the.subproblem(the.initial, 0, np.random.default_rng(seed))
@@ -223,13 +224,13 @@ def test_motions_start_and_end_at_home_and_go_on_where_they_were(crowded) -> Non
     motion = subproblem.execute(state, action)
     assert motion is not None
     arm = [piece for piece in motion if isinstance(piece, ArmMove)]
-    home = crowded.task.robot.home
+    home = crowded.world.robot.home
     assert arm[0].path[0] == pytest.approx(home)
     assert arm[-1].path[-1] == pytest.approx(home)
     for before, after in itertools.pairwise(arm):
         assert after.path[0] == pytest.approx(before.path[-1])
     attached = [p.attach for p in motion if isinstance(p, GripperMove) and p.attach is not None]
-    assert [a.body for a in attached] == [crowded.task.scene.objects[action.object].name]
+    assert [a.body for a in attached] == [crowded.world.scene.objects[action.object].name]
 
 
 def test_the_same_question_has_the_same_motion_whatever_was_asked_before(crowded, tmp_path) -> None:

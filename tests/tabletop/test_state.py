@@ -8,14 +8,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from domains.tabletop.actions.actions import MoveBase, Pick, Place
 from domains.tabletop.state import (
     TURN,
     UNIT,
     BasePose,
     Grasp,
-    MoveBase,
-    Pick,
-    Place,
     Placement,
     State,
     quantise,
@@ -61,27 +59,27 @@ START = State(HERE, STANDS)
 
 
 def test_moving_the_base_changes_nothing_else() -> None:
-    assert START.after(MoveBase(THERE)) == State(THERE, STANDS)
+    assert START.after_(MoveBase(THERE)) == State(THERE, STANDS)
 
 
 def test_picking_takes_the_object_from_its_place() -> None:
-    assert START.after(Pick(1, GRASP)) == State(HERE, (STANDS[0], None), 1, GRASP)
+    assert START.after_(Pick(1, GRASP)) == State(HERE, (STANDS[0], None), 1, GRASP)
 
 
 def test_placing_puts_the_held_object_down() -> None:
     there = Placement.of(1.5, 0.5, 1.0, 1)
-    held = START.after(Pick(0, GRASP))
-    assert held.after(Place(0, there)) == State(HERE, (there, STANDS[1]))
+    held = START.after_(Pick(0, GRASP))
+    assert held.after_(Place(0, there)) == State(HERE, (there, STANDS[1]))
 
 
 def test_putting_an_object_back_leads_to_the_state_before() -> None:
-    back = START.after(Pick(1, GRASP)).after(Place(1, STANDS[1]))
+    back = START.after_(Pick(1, GRASP)).after(Place(1, STANDS[1]))
     assert back == START
     assert hash(back) == hash(START)
 
 
 def test_a_held_object_is_carried_along() -> None:
-    held = START.after(Pick(0, GRASP)).after(MoveBase(THERE))
+    held = START.after_(Pick(0, GRASP)).after(MoveBase(THERE))
     assert (held.held, held.grasp, held.base) == (0, GRASP, THERE)
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from domains.tabletop.problem import load_problem
 from domains.tabletop.state import Placement, State
-from domains.tabletop.world import Task
+from domains.tabletop.world import TabletopWorld
 from sketchlang.domain import LoadOptions
 from sketchlang.library import find_scene
 
@@ -18,16 +18,18 @@ DIRECTIONS = [(1, 0), (0, 1), (-1, 0), (0, -1)]
 
 
 @pytest.fixture(scope="module", params=["words/tamp", "words/robot"])
-def task(request) -> Task:
+def task(request) -> TabletopWorld:
     return load_problem(str(find_scene(request.param)[0]), LoadOptions(request.param)).task
 
 
-def index_of(task: Task, letter: str, number: int = 0) -> int:
+def index_of(task: TabletopWorld, letter: str, number: int = 0) -> int:
     found = [i for i, thing in enumerate(task.scene.objects) if thing.letter == letter]
     return found[number]
 
 
-def spelled(task: Task, count: int, direction: tuple[int, int], turn: float = 0.0) -> State:
+def spelled(
+    task: TabletopWorld, count: int, direction: tuple[int, int], turn: float = 0.0
+) -> State:
     """The scene with all blocks away from one another but the first `count` letters of the
     word in a row from the middle of the table."""
     word = task.scene.word

@@ -7,37 +7,29 @@ way of the base. A candidate that fails knows at which step.
 
 from __future__ import annotations
 
+import math
 import zlib
 from collections import OrderedDict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from domains.tabletop.actions.reach import Hand, Reach, ReachSolver, held_box, object_pose
-from domains.tabletop.state import (
-    UNIT,
-    Action,
-    BasePose,
-    Grasp,
-    MoveBase,
-    Pick,
-    Place,
-    Placement,
-    State,
-)
-from domains.tabletop.world import Task
-from runtime.kernels.boxes import to_base_frame
+from domains.tabletop.actions.reach import Reach, ReachSolver, grip_of, held_parts
+from domains.tabletop.state import UNIT, BasePose, Grasp, Placement, State
+from domains.tabletop.world import TabletopWorld
+from runtime.kernels.convex import Obstacles, join, seen_from
 from runtime.motion import rrt
 from runtime.motion.arm_context import ArmContext
-from runtime.motion.base import BaseRoads, drive, footprint
 from runtime.motion.motion import ArmMove, Attach, BaseMove, GripperMove, Motion, Release
-from runtime.robot.model import Body, Floats
+from runtime.motion.roads import Roads
+from runtime.robot.model import Body
+from runtime.search.problem import Rejection
 from runtime.search.profile import Profile
-from runtime.world.poses import invert, upright
+from runtime.world.body import Part
+from runtime.world.poses import Pose, compose, invert, upright
 from runtime.world.quaternions import pose_of
 
 REACH = 1.3
@@ -46,89 +38,125 @@ REACH = 1.3
 REMEMBERED = 2000
 """Answers about manipulations that are kept."""
 
-Answer = TypeVar("Answer", "Reach | None", "Motion | None")
+Answer = TypeVar("Answer", "Reach | None", "Motion | Rejection")
 
 Target = tuple[int, Placement, Grasp]
-"""An object, where it stands or is to stand, and the grasp."""
+"""An object, where it rests or is to rest, and the grasp."""
 
 
 @dataclass(frozen=True, eq=False)
-class _Question:
-    """All that a manipulation depends on: where the robot stands, what it reaches for, and the
-    boxes around without and with that object, (w, 8) in the base frame."""
+class Manipulation:
+    """All that a manipulation depends on: where the robot stands, the target and the pose of
+    its standing frame in the world, and the obstacles around without and with that object, in
+    the base frame. `riders` are solids in the standing frame that go with it."""
 
     base: BasePose
     target: Target
-    others: Floats
-    with_object: Floats
+    standing: Pose
+    others: Obstacles
+    with_object: Obstacles
+    riders: tuple[Part, ...] = ()
 
-    @cached_property
+    @property
     def key(self) -> object:
         """Equal for the same question; another one as soon as something in reach has moved."""
-        return self.base, self.target, self.others.tobytes()
+        return self.base, self.target, self.others.rows.tobytes(), len(self.riders)
 
 
 class Executor:
     """Executability of the actions of one task; counts and times every step."""
 
-    def __init__(self, task: Task, seed: int, profile: Profile | None = None) -> None:
-        self.task = task
+    def __init__(self, world: TabletopWorld, seed: int, profile: Profile | None = None) -> None:
+        self.world = world
         self.seed = seed
         self.profile = profile or Profile()
-        self.solver = ReachSolver(task.robot)
-        self._roads: dict[object, BaseRoads] = {}
-        self._latest: tuple[State, Pick | Place, _Question] | None = None
-        self._answers: OrderedDict[object, Reach | Motion | None] = OrderedDict()
+        self.solver = ReachSolver(world.robot)
+        self._roads: dict[object, Roads] = {}
+        self._answers: OrderedDict[object, Reach | Motion | Rejection | None] = OrderedDict()
 
     # -- step 1 --------------------------------------------------------------------------
 
-    def in_arm_workspace(self, base: BasePose, targets: Sequence[Target]) -> list[Target]:
+    def in_arm_workspace(
+        self, state: State, base: BasePose, targets: Sequence[Target]
+    ) -> list[Target]:
         """The targets that are within the arm's reach from a base pose."""
         if not targets:
             return []
         step = self.profile.in_arm_workspace
         with step.timed():
-            workspace = self.task.robot.annulus
-            x, y, yaw = base.pose
-            c, s = np.cos(yaw), np.sin(yaw)
-            cx, cy = workspace.centre
-            shoulder = (x + c * cx - s * cy, y + s * cx + c * cy)
-            pose = np.array([(p.x, p.y, p.yaw + g.angle) for _, p, g in targets]) * UNIT
-            dx = pose[:, 0] - workspace.wrist_offset * np.cos(pose[:, 2]) - shoulder[0]
-            dy = pose[:, 1] - workspace.wrist_offset * np.sin(pose[:, 2]) - shoulder[1]
-            distance = np.hypot(dx, dy)
-            inside = (distance >= workspace.inner) & (distance <= workspace.outer)
+            inside = self._within(state, base, targets)
         step.record(int(inside.sum()), len(targets))
         return [target for target, ok in zip(targets, inside, strict=True) if ok]
 
-    # -- step 2 --------------------------------------------------------------------------
+    def _within(self, state: State, base: BasePose, targets: Sequence[Target]) -> NDArray[np.bool_]:
+        """Which targets (k,) have their wrist between the arm's inner and outer reach."""
+        world = self.world
+        x, y, yaw = base.pose
+        c, s = math.cos(yaw), math.sin(yaw)
+        cx, cy = world.shoulder
+        hx, hy = x + c * cx - s * cy, y + s * cx + c * cy
+        inside = np.zeros(len(targets), dtype=np.bool_)
+        for i, (index, placement, grasp) in enumerate(targets):
+            at = world.rests_at(state.placements, index, placement)
+            if at is None:
+                continue
+            found = world.hand.workspace(grasp.family, at[2] + grasp.height * UNIT)
+            if found is None:
+                continue
+            wrist, inner, outer = found
+            heading = at[3] + grasp.heading
+            c, s = math.cos(heading), math.sin(heading)
+            along, aside = grasp.along * UNIT - wrist, grasp.aside * UNIT
+            dx, dy = at[0] + c * along - s * aside - hx, at[1] + s * along + c * aside - hy
+            inside[i] = inner <= math.hypot(dx, dy) <= outer
+        return inside
 
-    def inverse_kinematics(self, state: State, action: Pick | Place, seeds: int) -> Reach | None:
-        """A collision-free reach for a pick or place action, or None."""
+    # -- steps 2 and 3 --------------------------------------------------------------------
+
+    def manipulate(
+        self,
+        state: State,
+        index: int,
+        placement: Placement,
+        grasp: Grasp,
+        picks: bool,
+        seeds: int,
+    ) -> Motion | Rejection:
+        """The motion of picking an object up where it rests, or of putting it down there."""
+        world = self.world
+        name = world.items[index].name
+        at = world.rests_at(state.placements, index, placement)
+        if at is None:
+            return Rejection("in_arm_workspace", name)
+        asked = self._question(state, (index, placement, grasp), upright(*at))
         step = self.profile.inverse_kinematics
         with step.timed():
-            question = self._question(state, action)
-            reach = self._known(
-                ("reach", seeds, question.key), lambda: self._reach(question, seeds)
-            )
+            reach = self._known(("reach", seeds, asked.key), lambda: self._reach(asked, seeds))
         step.record(reach is not None)
-        return reach
+        if reach is None:
+            return Rejection("inverse_kinematics", name)
+        step = self.profile.motion_plan
+        with step.timed():
+            key = ("motion", picks, reach.approach[-1].tobytes(), asked.key)
+            motion = self._known(key, lambda: self._motion(asked, reach, picks))
+            after = state.picked(index, grasp) if picks else state.placed(index, placement)
+            if not isinstance(motion, Rejection) and not self._can_leave(after):
+                motion = Rejection("motion_plan", name)
+        step.record(not isinstance(motion, Rejection))
+        return motion
 
-    def _question(self, state: State, action: Pick | Place) -> _Question:
-        """Mostly that of the step before: the boxes around are gathered once for both steps."""
-        if self._latest is None or self._latest[0] is not state or self._latest[1] is not action:
-            self._latest = state, action, self._new_question(state, action)
-        return self._latest[2]
-
-    def _new_question(self, state: State, action: Pick | Place) -> _Question:
-        task = self.task
-        target = target_of(state, action)
+    def _question(self, state: State, target: Target, standing: Pose) -> Manipulation:
+        world = self.world
         index, placement, _ = target
         x, y, yaw = state.base.pose
-        others = to_base_frame(task.world_rows(state, without=index), x, y, yaw, REACH)
-        row = task.object_row(index, placement)
-        own = to_base_frame(row[None], x, y, yaw, np.inf)
-        return _Question(state.base, target, others, np.vstack([others, own]))
+        riders = world.riders(state.placements, index)
+        without = {index, *riders}
+        others = seen_from(world.obstacles(state.placements, without), x, y, yaw, REACH)
+        at = world.rests_at(state.placements, index, placement)
+        assert at is not None
+        own = seen_from(world.object_at(index, at), x, y, yaw, np.inf)
+        parts = world.rider_parts(state.placements, index)
+        return Manipulation(state.base, target, standing, others, join(others, own), parts)
 
     def _known(self, key: object, compute: Callable[[], Answer]) -> Answer:
         """The answer to a question that was asked before, or what `compute` gives."""
@@ -140,140 +168,101 @@ class Executor:
                 self._answers.popitem(last=False)
         return cast("Answer", self._answers[key])
 
-    def _reach(self, question: _Question, seeds: int) -> Reach | None:
-        task = self.task
-        index, placement, grasp = question.target
-        shape = task.shapes[index]
-        hand = Hand.of(task.robot, shape, grasp)
-        if hand is None:
+    def _held(self, asked: Manipulation) -> tuple[Part, ...]:
+        """The solids of the object, and of what rests on it, in the tool frame."""
+        index, _, grasp = asked.target
+        standing = invert(grasp.tool)
+        riders = tuple(Part(p.solid, compose(standing, p.pose)) for p in asked.riders)
+        return held_parts(self.world.items[index], grasp.tool) + riders
+
+    def _reach(self, asked: Manipulation, seeds: int) -> Reach | None:
+        world = self.world
+        index, placement, grasp = asked.target
+        grip = grip_of(world.items[index], world.hand, grasp)
+        if grip is None:
             return None
-        x, y, yaw = question.base.pose
-        px, py, pyaw = placement.pose
-        c, s = np.cos(yaw), np.sin(yaw)
-        dx, dy = px - x, py - y
-        rest = task.scene.surfaces[placement.surface].rest
-        bottom = object_pose(c * dx + s * dy, c * dy - s * dx, pyaw - yaw, rest)
-        rng = np.random.default_rng(self._seed(question.base, placement, grasp))
-        return self.solver.solve(
-            shape, hand, bottom, question.others, question.with_object, rng, seeds
-        )
+        base = upright(*asked.base.pose[:2], 0.0, asked.base.pose[2])
+        target = compose(invert(base), compose(asked.standing, grasp.tool))
+        rng = np.random.default_rng(self._seed(asked.base, placement, grasp))
+        held = self._held(asked)
+        return self.solver.solve(held, grip, target, asked.others, asked.with_object, rng, seeds)
 
     def _seed(self, *parts: object) -> int:
         """A seed that depends on the question asked, not on what was asked before."""
         return zlib.crc32(repr((self.seed, parts)).encode())
 
-    # -- step 3 --------------------------------------------------------------------------
-
-    def motion_plan(self, state: State, action: Action, reach: Reach | None) -> Motion | None:
-        """The complete motion of an action, or None."""
-        step = self.profile.motion_plan
-        with step.timed():
-            if isinstance(action, MoveBase):
-                motion = self._drive(state, action)
-            else:
-                assert reach is not None
-                question, picks = self._question(state, action), isinstance(action, Pick)
-                key = ("motion", picks, reach.approach[-1].tobytes(), question.key)
-                motion = self._known(key, lambda: self._manipulate(question, reach, picks))
-        step.record(motion is not None)
-        return motion
-
-    def _drive(self, state: State, action: MoveBase) -> Motion | None:
-        start, goal = state.base.pose, action.target.pose
-        route = self._roads_for(state).route(start[:2], goal[:2])
-        if route is None:
-            return None
-        return (BaseMove(drive(route, start[2], goal[2])),)
-
-    def _roads_for(self, state: State) -> BaseRoads:
-        """Roads among everything that stands; those of the static scene where no standing
-        object narrows them, which is the rule: tables keep the base further away."""
-        key = (state.placements, state.grasp)
-        if key not in self._roads:
-            self._roads[key] = self._new_roads(state)
-        return self._roads[key]
-
-    def _new_roads(self, state: State) -> BaseRoads:
-        task = self.task
-        body = self._carried(state)
-        rings = task.footprint if body is None else footprint(task.robot, body)
-        rows = task.world_rows(state)
-        clearance = rings.clearances(rows)
-        fixed = len(task.statics)
-        free = _dominated(rows[fixed:], clearance[fixed:], rows[:fixed], clearance[:fixed])
-        narrow = fixed + np.flatnonzero((clearance[fixed:] > 0) & ~free)
-        if not len(narrow) and np.array_equal(clearance[:fixed], task.clearance):
-            return task.roads
-        chosen = np.r_[np.arange(fixed), narrow]
-        return BaseRoads(rows[chosen], clearance[chosen])
-
-    def _carried(self, state: State) -> Body | None:
-        """The robot's boxes with the object that it carries, or None where it carries none."""
-        if state.held is None or state.grasp is None:
-            return None
-        shape = self.task.shapes[state.held]
-        hand = Hand.of(self.task.robot, shape, state.grasp)
-        assert hand is not None, "a held object fits the gripper"
-        return self.task.robot.body(hand.closed, held_box(shape, hand.tool_in_object))
-
-    def _manipulate(self, question: _Question, reach: Reach, picks: bool) -> Motion | None:
-        robot = self.task.robot
-        index, placement, grasp = question.target
-        name = self.task.scene.objects[index].name
-        surface = self.task.scene.surfaces[placement.surface]
-        x, y, yaw = placement.pose
-        stands = pose_of(upright(x, y, surface.rest, yaw))
-        box = held_box(self.task.shapes[index], invert(reach.grasp))
-        empty = ArmContext(robot, robot.body(reach.opening), question.with_object)
-        full = ArmContext(robot, robot.body(reach.closed, box), question.others)
-        seed = self._seed(question.base, placement, grasp, "motion")
+    def _motion(self, asked: Manipulation, reach: Reach, picks: bool) -> Motion | Rejection:
+        world, robot = self.world, self.world.robot
+        index, placement, grasp = asked.target
+        item = world.items[index]
+        empty = ArmContext(robot, robot.body(reach.opening), asked.with_object)
+        full = ArmContext(robot, robot.body(reach.closed, self._held(asked)), asked.others)
+        seed = self._seed(asked.base, placement, grasp, "motion")
         there = rrt.plan(empty, robot.home, reach.approach[0], seed)
         if there is None:
-            return None
+            return Rejection("motion_plan", item.name)
         back = rrt.plan(full, reach.retreat[-1], robot.home, seed + 1)
         if back is None:
-            return None
+            return Rejection("motion_plan", item.name)
         if picks:
             return (
                 GripperMove(reach.opening),
                 ArmMove(there, "free"),
                 ArmMove(reach.approach, "approach"),
-                GripperMove(reach.closed, Attach(name, robot.urdf_tool)),
+                GripperMove(reach.closed, Attach(item.name, robot.urdf_tool)),
                 ArmMove(reach.lift, "lift"),
                 ArmMove(reach.retreat, "retreat"),
                 ArmMove(back, "free"),
             )
+        ground = world.grounds[placement.support]
+        stands = pose_of(compose(asked.standing, item.standing))
         return (
             ArmMove(back[::-1].copy(), "free"),
             ArmMove(reach.retreat[::-1].copy(), "approach"),
             ArmMove(reach.lift[::-1].copy(), "lower"),
-            GripperMove(reach.opening, release=Release(name, surface.name, stands)),
+            GripperMove(reach.opening, release=Release(item.name, ground.name, stands)),
             ArmMove(reach.approach[::-1].copy(), "retreat"),
             ArmMove(there[::-1].copy(), "free"),
         )
 
+    # -- the base -------------------------------------------------------------------------
 
-def target_of(state: State, action: Pick | Place) -> Target:
-    """What a manipulation reaches for."""
-    if isinstance(action, Pick):
-        placement = state.placements[action.object]
-        assert placement is not None, "only standing objects are picked"
-        return action.object, placement, action.grasp
-    assert state.grasp is not None, "only held objects are placed"
-    return action.object, action.placement, state.grasp
+    def drive(self, state: State, target: BasePose) -> Motion | Rejection:
+        """The drive to a base pose."""
+        step = self.profile.motion_plan
+        with step.timed():
+            motion: Motion | Rejection = Rejection("motion_plan", "base")
+            poses = self._roads_for(state).route(state.base.pose, target.pose)
+            if poses is not None:
+                motion = (BaseMove(poses),)
+        step.record(not isinstance(motion, Rejection))
+        return motion
 
+    def _can_leave(self, state: State) -> bool:
+        """Whether the robot, with what it holds then, can drive off from where it stands."""
+        return self.world.is_fixed or self._roads_for(state).can_leave(state.base.pose)
 
-def _dominated(
-    rows: Floats, clearance: Floats, statics: Floats, static_clearance: Floats
-) -> NDArray[np.bool_]:
-    """For each box (n, 8): whether some static box keeps the base away from it anyway."""
-    reach = np.hypot(rows[:, 3], rows[:, 4])[:, None]
-    dx = rows[:, 0, None] - statics[:, 0]
-    dy = rows[:, 1, None] - statics[:, 1]
-    lx = np.abs(statics[:, 6] * dx + statics[:, 7] * dy) + reach
-    ly = np.abs(statics[:, 6] * dy - statics[:, 7] * dx) + reach
-    slack = np.minimum(statics[:, 3] - lx, statics[:, 4] - ly)
-    dominated: NDArray[np.bool_] = np.any(
-        (slack >= 0) & (clearance[:, None] <= static_clearance + slack), axis=1
-    )
-    return dominated
+    def _roads_for(self, state: State) -> Roads:
+        """Roads among everything that stands; those of the static scene where no standing
+        object narrows them, which is the rule: tables keep the base further away."""
+        key = (state.placements, state.grasp)
+        if key not in self._roads:
+            if len(self._roads) > REMEMBERED:
+                self._roads.clear()
+            world = self.world
+            standing = world.obstacles(state.placements, ()).rows[len(world.statics) :]
+            self._roads[key] = world.roads.among(standing, self._carried(state))
+        return self._roads[key]
+
+    def _carried(self, state: State) -> Body | None:
+        """The robot's boxes with the object that it carries, or None where it carries none."""
+        if state.held is None or state.grasp is None:
+            return None
+        world = self.world
+        item = world.items[state.held]
+        grip = grip_of(item, world.hand, state.grasp)
+        assert grip is not None, "a held object fits the gripper"
+        standing = invert(state.grasp.tool)
+        riders = world.rider_parts(state.placements, state.held)
+        parts = tuple(Part(p.solid, compose(standing, p.pose)) for p in riders)
+        return world.robot.body(grip.closed, held_parts(item, state.grasp.tool) + parts)

@@ -1,23 +1,26 @@
 """InverseKinematics of X: a collision-free way of the gripper to a grasp and out again.
 
 Picking an object up and putting it down are the same motion, forwards and backwards: the
-open gripper comes in along a horizontal line, closes, lifts the object straight up and
-backs out. A `Reach` holds both lines.
+open gripper comes in along a straight line, closes, lifts the object straight up and backs
+out along the line that it came on. A `Reach` holds both lines.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from domains.tabletop.shapes import Shape
-from domains.tabletop.state import UNIT, Grasp
+from domains.tabletop.hand import Hand
+from domains.tabletop.items import Item
+from domains.tabletop.state import Grasp
 from runtime.kernels import ik
+from runtime.kernels.convex import Obstacles
 from runtime.motion.arm_context import CONTACT_MARGIN, ArmContext
 from runtime.robot.model import Floats, RobotModel
-from runtime.robot.urdf import Box
+from runtime.world.body import Part
 from runtime.world.poses import Pose, compose, invert
 
 APPROACH = 0.10
@@ -36,8 +39,7 @@ class Reach:
     """Configurations along the lines, and the gripper openings (m).
 
     `approach` (p, n) ends at the grasp with the fingers open; `lift` starts there and goes
-    straight up with the object; `retreat` backs out from its end. `grasp` is the pose of
-    the object's centre in the tool frame.
+    straight up with the object; `retreat` backs out from its end.
     """
 
     approach: Floats
@@ -45,44 +47,30 @@ class Reach:
     retreat: Floats
     opening: float
     closed: float
-    grasp: Pose
 
 
 @dataclass(frozen=True, eq=False)
-class Hand:
-    """What a grasp means for gripper and object, whatever the place."""
+class Grip:
+    """What a grasp means for the fingers, whatever the place: how far they are apart before
+    they close and then, metres."""
 
     opening: float
     closed: float
-    tool_in_object: Pose  # the tool frame in the frame of the object's bottom
-
-    @classmethod
-    def of(cls, robot: RobotModel, shape: Shape, grasp: Grasp) -> Hand | None:
-        """The hand for a grasp, or None where the gripper does not open wide enough."""
-        width = shape.width(grasp.heading)
-        opening = width + 2 * robot.gripper.clearance
-        if opening > robot.gripper.max_opening:
-            return None
-        c, s = math.cos(grasp.heading), math.sin(grasp.heading)
-        turn = -1.0 if grasp.flipped else 1.0
-        tool = [
-            [c, -s * turn, 0.0, 0.0],
-            [s, c * turn, 0.0, 0.0],
-            [0.0, 0.0, turn, grasp.height * UNIT],
-        ]
-        return cls(opening, width, np.array(tool))
 
 
-def object_pose(x: float, y: float, yaw: float, z: float) -> Pose:
-    """Pose of an object's bottom centre."""
-    c, s = math.cos(yaw), math.sin(yaw)
-    return np.array([[c, -s, 0.0, x], [s, c, 0.0, y], [0.0, 0.0, 1.0, z]])
+def grip_of(item: Item, hand: Hand, grasp: Grasp) -> Grip | None:
+    """The grip of a grasp, or None where the hand does not take the object so."""
+    hold = item.holds(hand, grasp.family, np.array([grasp.heading]))
+    if hold is None or not hold.fits[0]:
+        return None
+    width = float(hold.width[0])
+    return Grip(min(width + 2 * hand.clearance, hand.max_opening), width)
 
 
-def held_box(shape: Shape, tool_in_object: Pose) -> Box:
-    """The object as a box in the tool frame."""
-    centre = np.hstack([np.eye(3), [[0.0], [0.0], [shape.size[2] / 2]]])
-    return Box("held", compose(invert(tool_in_object), centre), np.array(shape.size) / 2)
+def held_parts(item: Item, tool: Pose) -> tuple[Part, ...]:
+    """The solids of an object in the tool frame, for a tool in its standing frame (3, 4)."""
+    standing = invert(tool)
+    return tuple(Part(part.solid, compose(standing, part.pose)) for part in item.parts)
 
 
 class ReachSolver:
@@ -93,23 +81,23 @@ class ReachSolver:
 
     def solve(
         self,
-        shape: Shape,
-        hand: Hand,
-        bottom: Pose,
-        others: Floats,
-        with_object: Floats,
+        held: Sequence[Part],
+        grip: Grip,
+        target: Pose,
+        others: Obstacles,
+        with_object: Obstacles,
         rng: np.random.Generator,
         seeds: int,
     ) -> Reach | None:
-        """A reach to an object whose bottom is at a pose in the base frame.
+        """A reach that takes the tool to `target` (3, 4) in the base frame.
 
-        `others` are the boxes around without the object, `with_object` those with it, both
-        (w, 8) in the base frame. Every second seed starts from the home posture's
-        neighbourhood, for short motions; the others anywhere in the joint ranges.
+        `held` are the solids of what is held then, in the tool frame; `others` are the obstacles
+        around without the object, `with_object` those with it, both in the base frame. Every
+        second seed starts from the home posture's neighbourhood, for short motions; the others
+        anywhere in the joint ranges.
         """
         robot = self.robot
-        target = compose(bottom, hand.tool_in_object)
-        empty = ArmContext(robot, robot.body(hand.opening), with_object)
+        empty = ArmContext(robot, robot.body(grip.opening), with_object)
         starts = self._starts(rng, seeds)
         number = -1
         while True:
@@ -128,7 +116,7 @@ class ReachSolver:
             )
             if number < 0:
                 return None
-            reach = self._lines(shape, hand, target, starts[number], empty, others)
+            reach = self._lines(held, grip, target, starts[number], empty, others)
             if reach is not None:
                 return reach
 
@@ -153,12 +141,12 @@ class ReachSolver:
 
     def _lines(
         self,
-        shape: Shape,
-        hand: Hand,
+        held: Sequence[Part],
+        grip: Grip,
         target: Pose,
         q: Floats,
         empty: ArmContext,
-        others: Floats,
+        others: Obstacles,
     ) -> Reach | None:
         """The lines in, up and out through a free configuration at the grasp."""
         robot = self.robot
@@ -166,9 +154,7 @@ class ReachSolver:
         out = self._line(target, back, q)
         if out is None or not empty.path_is_free(out, CONTACT_MARGIN):
             return None
-        full = ArmContext(
-            robot, robot.body(hand.closed, held_box(shape, hand.tool_in_object)), others
-        )
+        full = ArmContext(robot, robot.body(grip.closed, held), others)
         up = np.array([0.0, 0.0, LIFT])
         lift = self._line(target, up, q)
         if lift is None:
@@ -180,9 +166,7 @@ class ReachSolver:
             return None
         if not full.path_is_free(np.vstack([lift, retreat[1:]]), CONTACT_MARGIN):
             return None
-        return Reach(
-            out[::-1].copy(), lift, retreat, hand.opening, hand.closed, invert(hand.tool_in_object)
-        )
+        return Reach(out[::-1].copy(), lift, retreat, grip.opening, grip.closed)
 
     def _line(self, target: Pose, offset: Floats, start: Floats) -> Floats | None:
         """Configurations that move the tool on a straight line from the target pose."""

@@ -1,14 +1,17 @@
 """Obstructions and disturbances in one arrangement of the objects (paper, Sketch, SIW_R).
 
-An arrangement is where every object stands (None: it is held, or thought away). Answers are
-estimates by swept strips (`swept.py`), not by inverse kinematics: they depend
-on the arrangement alone, so the same state always has the same features.
+An arrangement is where every object rests (None: it is held, or thought away). Answers are
+estimates by swept volumes (`swept.py`), not by inverse kinematics: they depend on the
+arrangement alone, so the same state always has the same features.
+
+`moved` makes the arrangement in which something rests elsewhere: what that does not touch is
+carried over and equals, value by value, what would be computed afresh.
 """
 
 from __future__ import annotations
 
-import math
-from functools import cached_property
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,301 +20,460 @@ from domains.tabletop.features import swept
 from domains.tabletop.features.goals import GoalSites
 from domains.tabletop.features.swept import HEADINGS, STEP
 from domains.tabletop.state import Grasp, Placement
+from runtime.kernels.plane import point_distance
+from runtime.world.poses import Floats
 
 if TYPE_CHECKING:
-    from domains.tabletop.world import Task
-    from runtime.robot.model import Floats, Ints
-
-Placements = tuple[Placement | None, ...]
-
-MAX_HALF = 0.5
-"""Metres; no object is larger than twice that across."""
+    from domains.tabletop.world import Ints, Placements, SiteHold, TabletopWorld
 
 FAR_OFF = np.array([1e3, 1e3, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0])
 """The box of an object that is away."""
 
 
+@dataclass(frozen=True, eq=False)
+class Picks:
+    """For one family of approaches, the ways to the objects where they rest.
+
+    `barred` (n, n): headings at object i that object j bars. `holds` (n, K, 3) and `heights`
+    (n,): how each is taken. `reachable` (n,): headings from which the robot could come.
+    `counts` (n, K): how many objects bar each heading.
+    """
+
+    barred: Ints
+    holds: Floats
+    heights: Floats
+    reachable: Ints
+    counts: Ints
+
+
+@dataclass(frozen=True, eq=False)
+class Places:
+    """The same for the sites of a goal: `barred` (S, n), `counts` (S, K), `reachable` (S,)."""
+
+    goal: GoalSites
+    hold: SiteHold
+    own: Floats
+    barred: Ints
+    counts: Ints
+    reachable: Ints
+
+
+@dataclass(frozen=True, eq=False)
+class Thought:
+    """An object that is thought to rest somewhere besides: its index and its box (8,)."""
+
+    index: int
+    box: Floats
+
+
+@dataclass(frozen=True, eq=False)
 class Arrangement:
-    """The geometry of one arrangement, computed as far as it is asked for."""
+    """The geometry of one arrangement: `boxes` (n, 8) and `sites` (n, 3) of the objects, those
+    that are away far off, and `present` (n,)."""
 
-    def __init__(
-        self, task: Task, placements: Placements, origin: tuple[Arrangement, int] | None = None
-    ) -> None:
-        """`origin` is an arrangement that differs in the placement of one object only, and
-        that object: what is known of it is carried over, and only what changed is computed."""
-        self.task = task
-        self.placements = placements
-        self._origin = origin
+    world: TabletopWorld
+    placements: Placements
+    boxes: Floats
+    sites: Floats
+    present: Ints
+    picks: dict[int, Picks]
+    places: dict[object, Places] = field(default_factory=dict)
+    alpha: dict[tuple[int, Grasp | None], int] = field(default_factory=dict)
+    misplaced: dict[Grasp | None, frozenset[int]] = field(default_factory=dict)
+    letters: dict[str, dict[int, GoalSites]] = field(default_factory=dict)
+
+    # -- making one --------------------------------------------------------------------------
+
+    @classmethod
+    def afresh(cls, world: TabletopWorld, placements: Placements) -> Arrangement:
+        """The arrangement of some placements, computed from nothing."""
         n = len(placements)
-        if origin is None:
-            # Objects that are away stand far off, where they bar nothing.
-            self.boxes = np.tile(FAR_OFF, (n, 1))
-            self.present = np.zeros(n, dtype=bool)
-            changed = range(n)
-        else:
-            self.boxes = origin[0].boxes.copy()
-            self.present = origin[0].present.copy()
-            changed = range(origin[1], origin[1] + 1)
-        for i in changed:
-            placement = placements[i]
-            self.present[i] = placement is not None
-            self.boxes[i] = FAR_OFF if placement is None else task.object_row(i, placement)
-        self.xy = self.boxes[:, :2]
-        self.misplaced: dict[Grasp | None, frozenset[int]] = {}
-        self._alpha: dict[tuple[int, Grasp | None], int] = {}
-        self._inherited = False
-        self._open: dict[int, tuple[Ints, Ints]] = {}
-        self._places: dict[object, tuple[Ints, Ints]] = {}
-
-    @cached_property
-    def barred(self) -> Ints:
-        """(n, n): headings at the place of object i that object j bars."""
-        strip = self.task.strip
-        barred: Ints
-        if self._origin is None:
-            barred = swept.barred_matrix(self.xy, self.grips, self.boxes, strip)
+        boxes, sites = np.tile(FAR_OFF, (n, 1)), np.tile(FAR_OFF[:3], (n, 1))
+        present = np.zeros(n, dtype=np.int64)
+        yaws = [0.0] * n
+        for i in range(n):
+            at = world.rests(placements, i)
+            if at is not None:
+                boxes[i], sites[i], present[i], yaws[i] = world.box_row(i, at), at[:3], 1, at[3]
+        picks = {}
+        for family in world.families:
+            rows = [_pick_row(world, i, family, sites[i], yaws[i], present[i]) for i in range(n)]
+            holds, heights, reachable = _columns(rows)
+            owns = _owns(world, range(n))
+            barred = swept.barred_matrix(
+                sites, holds, heights, owns, boxes, world.hand.sweeps[family], 0.0
+            )
             np.fill_diagonal(barred, 0)
-            return barred
-        before, i = self._origin
-        one = slice(i, i + 1)
-        barred = before.barred.copy()
-        barred[i] = swept.barred_matrix(self.xy[one], self.grips[one], self.boxes, strip)[0]
-        barred[:, i] = swept.barred_matrix(self.xy, self.grips, self.boxes[one], strip)[:, 0]
-        barred[i, i] = 0
-        return barred
+            _bar_riders(world, placements, barred)
+            counts = swept.bar_counts(barred, present, reachable)
+            picks[family] = Picks(barred, holds, heights, reachable, counts)
+        return cls(world, placements, boxes, sites, present, picks)
 
-    @cached_property
-    def grips(self) -> Floats:
-        """(n, K): half the width of each standing object across each heading, metres."""
-        if self._origin is None:
-            return np.array([self._grips_of(i) for i in range(len(self.placements))])
-        before, i = self._origin
-        grips = before.grips.copy()
-        grips[i] = self._grips_of(i)
-        return grips
+    def moved(self, placements: Placements) -> Arrangement:
+        """The arrangement of placements of which few differ, by what is known of this one."""
+        world = self.world
+        changed = [
+            i
+            for i, (a, b) in enumerate(zip(self.placements, placements, strict=True))
+            if a is not b and a != b
+        ]
+        for i in list(changed):
+            riders = {*world.riders(self.placements, i), *world.riders(placements, i)}
+            changed += [r for r in riders if r not in changed]
+        boxes, sites, present = self.boxes.copy(), self.sites.copy(), self.present.copy()
+        yaws = {}
+        for i in changed:
+            at = world.rests(placements, i)
+            present[i], yaws[i] = at is not None, 0.0 if at is None else at[3]
+            boxes[i] = FAR_OFF if at is None else world.box_row(i, at)
+            sites[i] = FAR_OFF[:3] if at is None else at[:3]
+        stacked = _has_riders(world, self.placements) or _has_riders(world, placements)
+        picks = {
+            family: self._moved_picks(
+                family, placements, changed, yaws, boxes, sites, present, stacked
+            )
+            for family in world.families
+        }
+        found = Arrangement(world, placements, boxes, sites, present, picks)
+        if world.scene.word is None and not stacked:
+            self._carry_places(found, changed)
+            self._carry_alpha(found, changed)
+        return found
 
-    def _grips_of(self, index: int) -> Floats:
-        placement = self.placements[index]
-        if placement is None:
-            return np.zeros(HEADINGS)
-        return self.task.grips(index, placement.pose[2])
-
-    @cached_property
-    def letters(self) -> dict[int, GoalSites]:
-        """Where the letters of the scene's word belong."""
-        assert self.task.words is not None
-        return self.task.words.assign(self)
-
-    @cached_property
-    def reachable(self) -> Ints:
-        """(n,): headings from which the robot could come to each object."""
-        if self._origin is None:
-            each = [self._reachable_of(i) for i in range(len(self.placements))]
-            return np.array(each, dtype=np.int64)
-        before, i = self._origin
-        reachable = before.reachable.copy()
-        reachable[i] = self._reachable_of(i)
-        return reachable
-
-    def _reachable_of(self, index: int) -> int:
-        placement = self.placements[index]
-        return 0 if placement is None else self.task.reachable_at(placement)
-
-    @cached_property
-    def pick_counts(self) -> Ints:
-        """(n, K): how many objects bar each heading to each object."""
-        counts: Ints
-        if self._origin is None:
-            counts = swept.bar_counts(self.barred, self.present, self.reachable)
-            return counts
-        before, i = self._origin
-        one = slice(i, i + 1)
-        counts = swept.shifted_counts(
-            before.pick_counts,
-            before.barred[:, i] * before.present[i],
-            self.barred[:, i] * self.present[i],
+    def _moved_picks(
+        self,
+        family: int,
+        placements: Placements,
+        changed: Sequence[int],
+        yaws: dict[int, float],
+        boxes: Floats,
+        sites: Floats,
+        present: Ints,
+        stacked: bool,
+    ) -> Picks:
+        world, known = self.world, self.picks[family]
+        holds, heights = known.holds.copy(), known.heights.copy()
+        reachable, barred = known.reachable.copy(), known.barred.copy()
+        for i in changed:
+            row = _pick_row(world, i, family, sites[i], yaws[i], present[i])
+            holds[i], heights[i], reachable[i] = row
+        hand = world.hand.sweeps[family]
+        owns = _owns(world, range(len(boxes)))
+        barred[changed] = swept.barred_matrix(
+            sites[changed], holds[changed], heights[changed], owns[changed], boxes, hand, 0.0
         )
-        counts[i] = swept.bar_counts(self.barred[one], self.present, self.reachable[one])[0]
-        return counts
+        barred[:, changed] = swept.barred_matrix(
+            sites, holds, heights, owns, boxes[changed], hand, 0.0
+        )
+        np.fill_diagonal(barred, 0)
+        if stacked:
+            _bar_riders(world, placements, barred)
+            return Picks(
+                barred, holds, heights, reachable, swept.bar_counts(barred, present, reachable)
+            )
+        counts = known.counts
+        for i in changed:
+            counts = swept.shifted_counts(
+                counts, known.barred[:, i] * self.present[i], barred[:, i] * present[i]
+            )
+        counts[changed] = swept.bar_counts(barred[changed], present, reachable[changed])
+        return Picks(barred, holds, heights, reachable, counts)
 
-    def free_headings(self, index: int) -> int:
+    def _carry_places(self, to: Arrangement, changed: Sequence[int]) -> None:
+        """Ways to the sites of goals, as they are after some objects have moved."""
+        for key, known in self.places.items():
+            barred, counts = known.barred, known.counts
+            if not all(self._is_far(to, known, i) for i in changed):
+                family = key[2]  # type: ignore[index]
+                columns = _place_barred(self.world, known, family, to.boxes[list(changed)])
+                barred = barred.copy()
+                for column, i in zip(columns.T, changed, strict=True):
+                    gone, come = barred[:, i] * self.present[i], column * to.present[i]
+                    if gone.any() or come.any():
+                        counts = swept.shifted_counts(counts, gone, come)
+                    barred[:, i] = column
+            to.places[key] = Places(
+                known.goal, known.hold, known.own, barred, counts, known.reachable
+            )
+
+    def _is_far(self, to: Arrangement, known: Places, index: int) -> bool:
+        """Whether an object that has moved is, before and after, too far from a goal to matter."""
+        (x, y), radius = known.goal.circle
+        reach = radius + self._reach(known.hold)
+        return not any(
+            one.present[index] and point_distance(one.boxes[index], x, y) <= reach
+            for one in (self, to)
+        )
+
+    def _reach(self, hold: SiteHold) -> float:
+        """Metres from a site beyond which nothing bars a hand of any family."""
+        wide = max(float(swept.extent(self.world.hand.sweeps[f])) for f in self.world.families)
+        return wide + float(np.abs(hold.rows).sum(axis=1).max())
+
+    def _carry_alpha(self, to: Arrangement, changed: Sequence[int]) -> None:
+        """Alpha of objects whose ways what moved neither barred nor bars."""
+        for (index, grasp), alpha in self.alpha.items():
+            if grasp is not None or index in changed:
+                continue
+            same = all(
+                (before.barred[index, i] * self.present[i])
+                == (to.picks[f].barred[index, i] * to.present[i])
+                for f, before in self.picks.items()
+                for i in changed
+            )
+            goal = self.world.goals.get(index)
+            if not same or goal is None:
+                continue
+            far = all(
+                self._is_far(to, known, i)
+                for key, known in self.places.items()
+                if key[0] == goal.key  # type: ignore[index]
+                for i in changed
+            )
+            if far:
+                to.alpha[index, None] = alpha
+
+    # -- ways ---------------------------------------------------------------------------------
+
+    def free_headings(self, index: int, family: int) -> int:
         """Bits of the headings along which an object can be picked right away."""
-        counts = self.pick_counts[index]
+        counts = self.picks[family].counts[index]
         return sum(1 << k for k in range(HEADINGS) if counts[k] == 0)
 
-    def place_counts(self, goal: GoalSites, grip: Floats) -> tuple[Ints, Ints]:
-        """For the sites of a goal and half the width (K,) of what is put there, across each
-        heading: (S, n) barred headings, (S, K) counts."""
-        key = (goal.key, grip.tobytes())
-        if key not in self._places:
-            grips = np.tile(grip, (len(goal.xy), 1))
-            strip = self.task.strip
-            barred: Ints
-            if self._origin is None:
-                barred = swept.barred_matrix(goal.xy, grips, self.boxes, strip)
-                counts = swept.bar_counts(barred, self.present, goal.reachable)
-            else:
-                before, i = self._origin
-                known, counts = before.place_counts(goal, grip)
-                if self._is_far(goal):
-                    self._places[key] = known, counts
-                    return known, counts
-                column = swept.barred_matrix(goal.xy, grips, self.boxes[i : i + 1], strip)[:, 0]
-                gone, come = known[:, i] * before.present[i], column * self.present[i]
-                if gone.any() or come.any():
-                    barred = known.copy()
-                    barred[:, i] = column
-                    counts = swept.shifted_counts(counts, gone, come)
-                else:
-                    barred = known
-            self._places[key] = barred, counts
-        return self._places[key]
+    def is_reachable(self, index: int) -> bool:
+        """Whether the robot could come to an object at all."""
+        return any(picks.reachable[index] for picks in self.picks.values())
 
-    def _is_far(self, goal: GoalSites) -> bool:
-        """Whether what moved is, before and after, too far from a goal to matter there."""
-        assert self._origin is not None
-        before, i = self._origin
-        (x, y), radius = goal.circle
-        reach = radius + self.task.strip[2] + self.task.strip[3] + MAX_HALF
-        return not any(
-            one.present[i] and math.hypot(one.xy[i, 0] - x, one.xy[i, 1] - y) < reach
-            for one in (before, self)
-        )
+    def places_of(
+        self, index: int, goal: GoalSites, family: int, grasp: Grasp | None = None
+    ) -> Places:
+        """The ways to the sites of a goal for an object, with the grasp that holds it if any."""
+        world = self.world
+        yaw = goal.world_yaw
+        how: object = None if yaw is not None else grasp
+        key = (goal.key, world.kinds[index], family, yaw, how)
+        known = self.places.get(key)
+        if known is None:
+            hold = world.place_hold(index, family, yaw, grasp)
+            reachable = world.reachable_goal(goal, index, family, hold, (yaw, how))
+            empty = np.zeros((len(goal.xyz), 0), dtype=np.int64)
+            known = Places(goal, hold, world.own(index), empty, empty, reachable)
+            barred = _place_barred(world, known, family, self.boxes)
+            if goal.frame is not None:
+                owner = world.grounds[goal.support].owner
+                assert owner is not None
+                barred[:, owner] = swept.ALL if owner in self.unplaced() else 0
+            counts = swept.bar_counts(barred, self.present, reachable)
+            known = Places(goal, hold, known.own, barred, counts, reachable)
+            self.places[key] = known
+        return known
 
-    def _inherit(self) -> None:
-        """Carry over alpha of objects whose ways what moved neither barred nor bars."""
-        if self._origin is None or self.task.words is not None:
-            return
-        before, i = self._origin
-        gone, come = before.barred[:, i] * before.present[i], self.barred[:, i] * self.present[i]
-        same = (gone == come).tolist()
-        far: dict[object, bool] = {}
-        for (index, grasp), alpha in before._alpha.items():
-            goal = self.task.goals.get(index)
-            if grasp is not None or index == i or not same[index] or goal is None:
+    def unplaced(self) -> frozenset[int]:
+        """Objects that rest somewhere, but not where their goal wants them."""
+        world, found = self.world, set()
+        for index in world.wanted(self):
+            placement = self.placements[index]
+            goal = world.goal_sites(index, self)
+            if placement is None or goal is None:
                 continue
-            if goal.key not in far:
-                far[goal.key] = self._is_far(goal)
-            if far[goal.key]:
-                self._alpha[index, None] = alpha
+            key = (goal.key, placement)
+            holds = world.memory.table("well placed").get(key)
+            if holds is None:
+                holds = world.memory.table("well placed")[key] = goal.holds(placement)
+            if not holds:
+                found.add(index)
+        return frozenset(found)
 
-    def settle(self) -> None:
-        """Compute what has been put off and let go of the origin."""
-        if self._origin is not None:
-            _ = self.barred, self.grips, self.reachable, self.pick_counts
-            self._origin = None
+    # -- alpha ----------------------------------------------------------------------------------
 
     def obstructions(self, index: int, goal: GoalSites, grasp: Grasp | None = None) -> int:
         """alpha: fewest objects in the way of picking an object up and putting it at its
         goal, with the same grasp for both; of putting it alone where it is held already."""
-        if not self._inherited:
-            self._inherited = True
-            self._inherit()
         key = (index, grasp)
-        if key not in self._alpha:
-            self._alpha[key] = self._obstructions(index, goal, grasp, None)
-        return self._alpha[key]
+        found = self.alpha.get(key)
+        if found is None:
+            found = self.alpha[key] = self.obstructions_with(index, goal, grasp, None)
+        return found
 
-    def _obstructions(
-        self, index: int, goal: GoalSites, grasp: Grasp | None, extra: tuple[int, Placement] | None
+    def obstructions_with(
+        self, index: int, goal: GoalSites, grasp: Grasp | None, extra: Thought | None
     ) -> int:
-        task = self.task
-        grip = task.place_grips(index, goal, grasp)
-        barred, counts = self.place_counts(goal, grip)
-        plus_place = np.zeros(len(goal.xy), dtype=np.int64)
+        """The same, with one more object thought to be there."""
+        families = self.world.families if grasp is None else (grasp.family,)
+        return min(self._of_family(f, index, goal, grasp, extra) for f in families)
+
+    def _of_family(
+        self, family: int, index: int, goal: GoalSites, grasp: Grasp | None, extra: Thought | None
+    ) -> int:
+        ways, picks = self.places_of(index, goal, family, grasp), self.picks[family]
+        plus_place = np.zeros(len(goal.xyz), dtype=np.int64)
         plus_pick = np.zeros(1, dtype=np.int64)
         if extra is not None:
-            box = task.object_row(*extra)[None]
-            grips = np.tile(grip, (len(goal.xy), 1))
-            plus_place = swept.barred_matrix(goal.xy, grips, box, task.strip)[:, 0]
-            plus_pick = swept.barred_matrix(
-                self.xy[index : index + 1], self.grips[index : index + 1], box, task.strip
-            )[0]
+            plus_place = _place_barred(self.world, ways, family, extra.box[None])[:, 0]
+            plus_pick = self._pick_barred(family, index, extra.box)
         modulus = goal.modulus
-        place = swept.residue_minima(counts, barred[:, index], plus_place, modulus)
-        placement_now = self.placements[index]
-        if placement_now is None:
-            if grasp is None or goal.yaw is None:
+        place = swept.residue_minima(ways.counts, ways.barred[:, index], plus_place, modulus)
+        yaw, standing = goal.world_yaw, self.present[index]
+        if not standing:
+            if grasp is None or yaw is None:
                 return int(place.min())
             # The grasp fixes the heading of the approach for each heading of the object.
-            return int(place[round((goal.yaw + grasp.heading) / STEP) % modulus])
+            return int(place[round((yaw + grasp.heading) / STEP) % modulus])
         none = np.zeros(1, dtype=np.int64)
-        pick = swept.residue_minima(self.pick_counts[index : index + 1], none, plus_pick, modulus)
-        turn = 0 if goal.yaw is None else round((goal.yaw - placement_now.pose[2]) / STEP)
+        pick = swept.residue_minima(picks.counts[index : index + 1], none, plus_pick, modulus)
+        turn = 0
+        if yaw is not None:
+            at = self.world.rests(self.placements, index)
+            assert at is not None
+            turn = round((yaw - at[3]) / STEP)
         if turn % modulus:
             place = np.roll(place, -turn % modulus)
         at_least, at_most = int(np.maximum(pick, place).min()), int((pick + place).min())
         if at_least == at_most or at_least >= swept.UNREACHABLE:
             return at_most
         # Something bars both ways: it is to be moved once only.
-        counted = np.append(self.present, extra is not None)
+        counted = np.append(self.present, extra is not None).astype(np.bool_)
         counted[index] = False
         return int(
             swept.least_union(
-                np.append(self.barred[index], plus_pick),
-                self.reachable[index],
-                np.column_stack([barred, plus_place]),
-                goal.reachable,
+                np.append(picks.barred[index], plus_pick),
+                picks.reachable[index],
+                np.column_stack([ways.barred, plus_place]),
+                ways.reachable,
                 counted,
                 modulus,
                 turn,
             )
         )
 
+    def _pick_barred(self, family: int, index: int, box: Floats) -> Ints:
+        """Bits (1,) of the headings to an object that a box bars."""
+        picks, one = self.picks[family], slice(index, index + 1)
+        found: Ints = swept.barred_matrix(
+            self.sites[one],
+            picks.holds[one],
+            picks.heights[one],
+            _owns(self.world, [index]),
+            box[None],
+            self.world.hand.sweeps[family],
+            0.0,
+        )[0]
+        return found
+
     def in_the_way(self, index: int, goal: GoalSites) -> list[int]:
         """Objects that bar a least barred heading to an object, or to a site of its goal."""
-        found = set()
-        counts = self.pick_counts[index]
-        for k in np.flatnonzero(counts == counts.min()):
-            found |= {int(j) for j in np.flatnonzero((self.barred[index] >> k) & 1)}
-        barred, counts = self.place_counts(goal, self.task.place_grips(index, goal, None))
-        fewest = counts.min()
-        if fewest > 0:
-            for site, k in np.argwhere(counts == fewest):
-                found |= {int(j) for j in np.flatnonzero((barred[site] >> k) & 1)}
+        found: set[int] = set()
+        for f in self._best(self.picks[f].counts[index].min() for f in self.world.families):
+            picks = self.picks[self.world.families[f]]
+            counts = picks.counts[index]
+            for k in np.flatnonzero(counts == counts.min()):
+                found |= {int(j) for j in np.flatnonzero((picks.barred[index] >> k) & 1)}
+        ways = [self.places_of(index, goal, f) for f in self.world.families]
+        for f in self._best(way.counts.min() for way in ways):
+            barred, counts = ways[f].barred, ways[f].counts
+            fewest = counts.min()
+            if fewest > 0:
+                for site, k in np.argwhere(counts == fewest):
+                    found |= {int(j) for j in np.flatnonzero((barred[site] >> k) & 1)}
         found.discard(index)
         return sorted(found)
+
+    @staticmethod
+    def _best(values: Iterable[int]) -> list[int]:
+        known = list(values)
+        return [i for i, value in enumerate(known) if value == min(known)]
+
+    # -- beta -----------------------------------------------------------------------------------
 
     def disturbed_by(self, index: int, placement: Placement, misplaced: frozenset[int]) -> int:
         """How many other misplaced objects would be obstructed more, were an object there.
 
         The object itself must be away in this arrangement.
         """
-        x, y, _ = placement.pose
-        strip = self.task.strip
-        reach = strip[2] + strip[3] + MAX_HALF
-        near = np.hypot(self.xy[:, 0] - x, self.xy[:, 1] - y) < reach
+        world = self.world
+        at = world.rests(
+            (*self.placements[:index], placement, *self.placements[index + 1 :]), index
+        )
+        if at is None:
+            return 0
+        extra = Thought(index, world.box_row(index, at))
+        below = world.grounds[placement.support].owner
         count = 0
         for other in misplaced:
-            if other == index or self.placements[other] is None:
+            if other == index or not self.present[other]:
                 continue
-            goal = self.task.goal_sites(other, self)
-            # Far from where it is and from where it belongs, nothing is in its way.
-            if goal is not None and (near[other] or goal.surface == placement.surface):
-                count += self._is_disturbed(other, goal, index, placement)
+            if other == below:
+                count += 1
+                continue
+            goal = world.goal_sites(other, self)
+            if goal is not None and not self._both_far(extra, other, goal):
+                before = self.obstructions(other, goal)
+                count += self.obstructions_with(other, goal, None, extra) > before
         return count
 
-    def _is_disturbed(self, other: int, goal: GoalSites, index: int, placement: Placement) -> bool:
-        """Whether alpha of `other` rises with object `index` at a placement."""
-        before = self.obstructions(other, goal)
-        if goal.modulus > 1 or before > 0:
-            return self._obstructions(other, goal, None, (index, placement)) > before
-        # Nothing bars the way: alpha rises if pick or place loses its last free heading.
-        task = self.task
-        grip = task.place_grips(other, goal, None)
-        if other not in self._open:
-            none = np.zeros(1, dtype=np.int64)
-            barred, counts = self.place_counts(goal, grip)
-            self._open[other] = (
-                swept.least_barred(self.pick_counts[other : other + 1], none),
-                swept.least_barred(counts, barred[:, other]),
-            )
-        box = task.object_row(index, placement)
-        pick, place = self._open[other]
-        sites = (
-            (pick, self.xy[other : other + 1], self.grips[other : other + 1]),
-            (place, goal.xy, np.tile(grip, (len(goal.xy), 1))),
+    def _both_far(self, extra: Thought, other: int, goal: GoalSites) -> bool:
+        """Whether a box is too far from an object and from its goal to be in its way."""
+        (x, y), radius = goal.circle
+        hold = self.world.place_hold(other, self.world.families[0], goal.world_yaw, None)
+        reach = self._reach(hold) + 2 * self.world.items[other].outer_radius
+        site = self.sites[other]
+        return bool(
+            point_distance(extra.box, site[0], site[1]) > reach
+            and point_distance(extra.box, x, y) > reach + radius
         )
-        return not all(
-            swept.leaves_open(headings, xy, grips, box, task.strip) for headings, xy, grips in sites
-        )
+
+
+def _pick_row(
+    world: TabletopWorld, index: int, family: int, site: Floats, yaw: float, present: int
+) -> tuple[Floats, float, int]:
+    """How an object is taken where it rests, and bits of the headings that the robot reaches."""
+    if not present:
+        return np.zeros((HEADINGS, 3)), 0.0, 0
+    hold = world.hold(index, family, yaw)
+    key = (world.kinds[index], family, yaw, *site.tolist())
+    reachable = world.memory.answer(
+        "reachable",
+        key,
+        lambda: int(world.reachable(site[None], world.own(index), hold, family)[0]),
+    )
+    return hold.rows, hold.height, reachable
+
+
+def _columns(rows: Sequence[tuple[Floats, float, int]]) -> tuple[Floats, Floats, Ints]:
+    holds = np.array([row[0] for row in rows]).reshape(-1, HEADINGS, 3)
+    heights = np.array([row[1] for row in rows], dtype=np.float64)
+    return holds, heights, np.array([row[2] for row in rows], dtype=np.int64)
+
+
+def _owns(world: TabletopWorld, indices: Iterable[int]) -> Floats:
+    return np.array([world.own(i) for i in indices]).reshape(-1, 2)
+
+
+def _has_riders(world: TabletopWorld, placements: Placements) -> bool:
+    """Whether something rests on something that can be moved."""
+    grounds = world.grounds
+    return bool(world.owned) and any(
+        p is not None and grounds[p.support].owner is not None for p in placements
+    )
+
+
+def _bar_riders(world: TabletopWorld, placements: Placements, barred: Ints) -> None:
+    """What rests on an object bars all ways to it, unless it is carried along."""
+    for i in world.owned:
+        for rider in world.riders(placements, i):
+            barred[i, rider] = swept.ALL
+
+
+def _place_barred(world: TabletopWorld, ways: Places, family: int, boxes: Floats) -> Ints:
+    """Bits (S, n) of the headings to the sites of a goal that boxes (n, 8) bar."""
+    sites = ways.goal.xyz
+    found: Ints = swept.barred_matrix(
+        sites,
+        np.tile(ways.hold.rows, (len(sites), 1, 1)),
+        np.full(len(sites), ways.hold.height),
+        np.tile(ways.own, (len(sites), 1)),
+        boxes,
+        world.hand.sweeps[family],
+        0.0,
+    )
+    return found

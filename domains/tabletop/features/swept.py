@@ -1,13 +1,16 @@
-"""Which approach directions are in whose way: the geometry behind the features u, v and I.
+"""Which approaches are in whose way: the geometry behind the features u, v and I.
 
-A gripper that comes in horizontally, with heading theta, sweeps two strips in the plane:
-the fingers, from behind the palm's face to past the object, and the palm, wrist and forearm
-behind them. Headings are a fixed set of K = 24, one bit each, so "the headings that object
-j bars for an object at site s" is one integer.
+A hand that comes to an object sweeps the volume of its fingers, on both sides of what they
+grip, and that of palm, wrist and forearm: a few boxes in the frame of the approach, which has
+its origin at the grasp centre, x along the heading and z up. Headings are a fixed set of
+K = 24, one bit each, so "the headings that object j bars for an object at site s" is one
+integer. All functions are about one family of approaches (`domains.tabletop.state`).
 
-`strip` = [finger back, finger tip, arm length, arm half width, finger thickness and play]:
-metres; the first three along the approach, measured from the object's centre. Boxes are
-packed as in `runtime.kernels.boxes`.
+A *site* is (x, y, z): the middle of an object's bottom. A *hand* is the rows (v, 7) of the
+volumes: lowest and highest x, y and z, and 1 or 2 where y or z is widened by half of the width
+that the fingers grip. A *hold* is (K, 3): half that width, and where the grasp centre is, along
+the heading and aside of it; `height` is that of the centre above the bottom. Boxes are packed
+as in `runtime.kernels.boxes`.
 """
 
 from __future__ import annotations
@@ -17,7 +20,7 @@ import math
 import numpy as np
 from numba import njit
 
-from runtime.kernels.plane import in_room, point_distance, segment_distance
+from runtime.kernels.plane import in_room, point_distance
 
 HEADINGS = 24
 STEP = 2.0 * math.pi / HEADINGS
@@ -28,52 +31,90 @@ PLAY = 0.002
 UNREACHABLE = 1000
 """Added to the count of a heading from which the arm cannot come at all."""
 
+LEVEL = 1e-3
+"""Metres by which things above each other may overlap in height and count as apart."""
+
 
 @njit(cache=True)
-def barred_headings(sx, sy, grips, box, strip):  # type: ignore[no-untyped-def]
-    """Bits of the headings along which an upright box bars the way to a site (sx, sy).
+def extent(hand):  # type: ignore[no-untyped-def]
+    """How far, in the plane, the volumes of a hand reach from the grasp centre."""
+    best = 0.0
+    for v in range(hand.shape[0]):
+        x = max(abs(hand[v, 0]), abs(hand[v, 1]))
+        y = max(abs(hand[v, 2]), abs(hand[v, 3]))
+        best = max(best, math.sqrt(x * x + y * y))
+    return best
 
-    `grips[k]` is half the width of the gripped object across heading k. In the frame of an
+
+@njit(cache=True)
+def barred_headings(sx, sy, sz, hold, height, own, box, hand, reach):  # type: ignore[no-untyped-def]
+    """Bits of the headings along which an upright box bars the way to an object at a site.
+
+    `own` is the inner radius and the height of that object: where the box stands in its place,
+    it bars all. `reach` bounds how far from the site a box can matter. In the frame of an
     approach the box counts as the smallest box around it.
     """
     distance = point_distance(box, sx, sy)
-    if distance > strip[2] + strip[3]:
+    if distance > reach:
         return 0
-    least = grips[0]
-    for k in range(1, HEADINGS):
-        least = min(least, grips[k])
-    if distance < least + PLAY:
+    low = box[2] - box[5] - sz
+    high = box[2] + box[5] - sz
+    if distance < own[0] + PLAY and low < own[1] - LEVEL and high > LEVEL:
         return ALL  # it stands where the object is, or is to be
+    low -= height
+    high -= height
     dx = box[0] - sx
     dy = box[1] - sy
     bits = 0
     for k in range(HEADINGS):
         c = math.cos(k * STEP)
         s = math.sin(k * STEP)
-        along = c * dx + s * dy
-        aside = abs(c * dy - s * dx)
+        along = c * dx + s * dy - hold[k, 1]
+        aside = c * dy - s * dx - hold[k, 2]
         # The box in the frame of the approach.
         turn_c = abs(c * box[6] + s * box[7])
         turn_s = abs(c * box[7] - s * box[6])
         half_along = box[3] * turn_c + box[4] * turn_s
         half_aside = box[3] * turn_s + box[4] * turn_c
-        low = along - half_along
-        high = along + half_along
-        if (high > -strip[0] and low < strip[1] and aside < grips[k] + strip[4] + half_aside) or (
-            high > -strip[2] and low < -strip[0] and aside < strip[3] + half_aside
-        ):
-            bits |= 1 << k
+        for v in range(hand.shape[0]):
+            wider = hold[k, 0] if hand[v, 6] == 1.0 else 0.0
+            taller = hold[k, 0] if hand[v, 6] == 2.0 else 0.0
+            if (
+                along + half_along > hand[v, 0]
+                and along - half_along < hand[v, 1]
+                and aside + half_aside > hand[v, 2] - wider
+                and aside - half_aside < hand[v, 3] + wider
+                and high > hand[v, 4] - taller
+                and low < hand[v, 5] + taller
+            ):
+                bits |= 1 << k
+                break
     return bits
 
 
 @njit(cache=True)
-def barred_matrix(sites, grips, boxes, strip):  # type: ignore[no-untyped-def]
-    """`barred_headings` for all sites (S, 2) with grips (S, K) and boxes (n, 8): (S, n)."""
+def barred_matrix(sites, holds, heights, owns, boxes, hand, play):  # type: ignore[no-untyped-def]
+    """`barred_headings` for all sites (S, 3), with holds (S, K, 3), heights (S,) and own sizes
+    (S, 2), and boxes (n, 8): (S, n). `play` metres are added to what a box can matter from."""
     out = np.empty((sites.shape[0], boxes.shape[0]), dtype=np.int64)
+    wide = extent(hand) + play
     for i in range(sites.shape[0]):
+        reach = wide + _farthest(holds[i])
         for j in range(boxes.shape[0]):
-            out[i, j] = barred_headings(sites[i, 0], sites[i, 1], grips[i], boxes[j], strip)
+            out[i, j] = barred_headings(
+                sites[i, 0], sites[i, 1], sites[i, 2], holds[i], heights[i], owns[i], boxes[j],
+                hand, reach,
+            )  # fmt: skip
     return out
+
+
+@njit(cache=True)
+def _farthest(hold):  # type: ignore[no-untyped-def]
+    """How far a hold's grip and centre reach from the site, at most."""
+    best = 0.0
+    for k in range(hold.shape[0]):
+        best = max(best, hold[k, 0] + abs(hold[k, 1]) + abs(hold[k, 2]))
+    return best
 
 
 @njit(cache=True)
@@ -171,46 +212,68 @@ def _bits(words):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def reachable_headings(  # type: ignore[no-untyped-def]
-    sites, strip, shoulder, tool_offset, inner, outer, low, high,
+def open_headings(sites, hold, height, own, statics, hand):  # type: ignore[no-untyped-def]
+    """Bits of the headings at each site (S, 3) along which nothing fixed bars the way."""
+    out = np.zeros(sites.shape[0], dtype=np.int64)
+    reach = extent(hand) + _farthest(hold)
+    for i in range(sites.shape[0]):
+        barred = 0
+        for w in range(statics.shape[0]):
+            barred |= barred_headings(
+                sites[i, 0], sites[i, 1], sites[i, 2], hold, height, own, statics[w], hand, reach
+            )
+            if barred == ALL:
+                break
+        out[i] = ALL & ~barred
+    return out
+
+
+@njit(cache=True)
+def stand_headings(  # type: ignore[no-untyped-def]
+    sites, hold, wanted, shoulder, wrist, inner, outer,
     room, x0, y0, cell, statics, clearance,
 ):  # fmt: skip
-    """Bits of the headings at each site (S, 2) for which the robot can get to where it
+    """Those of the `wanted` (S,) headings at sites for which the robot can get to where it
     would have to stand (`runtime.motion.room`).
 
-    The wrist is `tool_offset` behind the site and must be between `inner` and `outer` from
-    the shoulder axis, which is `shoulder` (2,) in the base frame. Static boxes that reach
-    into heights low..high bar the strip of the arm.
+    The wrist is `wrist` behind the grasp centre and must be between `inner` and `outer` from
+    the shoulder axis, which is `shoulder` (2,) in the base frame.
     """
     out = np.zeros(sites.shape[0], dtype=np.int64)
     for i in range(sites.shape[0]):
-        x = sites[i, 0]
-        y = sites[i, 1]
         for k in range(HEADINGS):
+            if not (wanted[i] >> k) & 1:
+                continue
             c = math.cos(k * STEP)
             s = math.sin(k * STEP)
-            barred = False
-            for w in range(statics.shape[0]):
-                if statics[w, 2] + statics[w, 5] > low and statics[w, 2] - statics[w, 5] < high:
-                    back = strip[2]
-                    if (
-                        segment_distance(
-                            statics[w],
-                            x - strip[0] * c,
-                            y - strip[0] * s,
-                            x - back * c,
-                            y - back * s,
-                        )
-                        < strip[3]
-                        or segment_distance(statics[w], x + strip[1] * c, y + strip[1] * s, x, y)
-                        < 0.5 * strip[3]
-                    ):
-                        barred = True
-                        break
-            if not barred and _has_stand(
-                x - tool_offset * c, y - tool_offset * s, x, y, k, shoulder, inner, outer,
+            x = sites[i, 0] + c * hold[k, 1] - s * hold[k, 2]
+            y = sites[i, 1] + s * hold[k, 1] + c * hold[k, 2]
+            if _has_stand(
+                x - wrist * c, y - wrist * s, x, y, k, shoulder, inner, outer,
                 room, x0, y0, cell, statics, clearance,
             ):  # fmt: skip
+                out[i] |= 1 << k
+    return out
+
+
+@njit(cache=True)
+def fixed_headings(sites, hold, wanted, base, shoulder, wrist, inner, outer):  # type: ignore[no-untyped-def]
+    """The same for a robot that cannot drive and stands at `base` (x, y, heading)."""
+    out = np.zeros(sites.shape[0], dtype=np.int64)
+    c = math.cos(base[2])
+    s = math.sin(base[2])
+    hx = base[0] + c * shoulder[0] - s * shoulder[1]
+    hy = base[1] + s * shoulder[0] + c * shoulder[1]
+    for i in range(sites.shape[0]):
+        for k in range(HEADINGS):
+            if not (wanted[i] >> k) & 1:
+                continue
+            c = math.cos(k * STEP)
+            s = math.sin(k * STEP)
+            x = sites[i, 0] + c * (hold[k, 1] - wrist) - s * hold[k, 2]
+            y = sites[i, 1] + s * (hold[k, 1] - wrist) + c * hold[k, 2]
+            distance = math.sqrt((x - hx) ** 2 + (y - hy) ** 2)
+            if inner <= distance <= outer:
                 out[i] |= 1 << k
     return out
 
@@ -240,13 +303,21 @@ def _has_stand(  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def occupied_sites(sites, radius, boxes, skip):  # type: ignore[no-untyped-def]
-    """Whether something round at each site (S, 2) would overlap one of the boxes (n, 8),
-    the one with index `skip` left out: (S,) of bool."""
+def occupied_sites(sites, own, boxes, skip):  # type: ignore[no-untyped-def]
+    """Whether something round at each site (S, 3), `own` its radius and height, would overlap
+    one of the boxes (n, 8), the one with index `skip` left out: (S,) of bool."""
     out = np.zeros(sites.shape[0], dtype=np.bool_)
     for i in range(sites.shape[0]):
         for j in range(boxes.shape[0]):
-            if j != skip and point_distance(boxes[j], sites[i, 0], sites[i, 1]) < radius + PLAY:
+            if j == skip:
+                continue
+            low = boxes[j, 2] - boxes[j, 5] - sites[i, 2]
+            high = boxes[j, 2] + boxes[j, 5] - sites[i, 2]
+            if (
+                low < own[1] - LEVEL
+                and high > LEVEL
+                and point_distance(boxes[j], sites[i, 0], sites[i, 1]) < own[0] + PLAY
+            ):
                 out[i] = True
                 break
     return out
@@ -276,14 +347,3 @@ def least_barred(counts, minus):  # type: ignore[no-untyped-def]
             if counts[i, k] - ((minus[i] >> k) & 1) == best:
                 out[i] |= 1 << k
     return out
-
-
-@njit(cache=True)
-def leaves_open(headings, sites, grips, box, strip):  # type: ignore[no-untyped-def]
-    """Whether an upright box leaves one of the headings (S,) to sites (S, 2) open."""
-    for i in range(sites.shape[0]):
-        if headings[i] and headings[i] & ~barred_headings(
-            sites[i, 0], sites[i, 1], grips[i], box, strip
-        ):
-            return True
-    return False

@@ -15,12 +15,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from domains.tabletop.features.goals import GoalSites, lattice, turn_error
+from domains.tabletop.features.goals import LATTICE, GoalSites, turn_error
 from domains.tabletop.scene.model import WordGoal
 
 if TYPE_CHECKING:
     from domains.tabletop.features.arrangement import Arrangement
-    from domains.tabletop.world import Task
+    from domains.tabletop.world import TabletopWorld
 
 ALIGNED = 0.05
 """Radians by which a block of the row may be turned against the table."""
@@ -38,14 +38,14 @@ class Row:
 class WordGoals:
     """Assigns blocks to slots for one scene."""
 
-    def __init__(self, task: Task, goal: WordGoal) -> None:
-        self.task = task
+    def __init__(self, world: TabletopWorld, goal: WordGoal) -> None:
+        self.world = world
         self.goal = goal
-        self.surface = task.scene.surfaces[goal.surface]
-        self.letters = [thing.letter for thing in task.scene.objects]
+        self.ground = world.grounds[goal.surface]
+        self.letters = [thing.letter for thing in world.scene.objects]
         self.symmetry = min(
-            shape.symmetry
-            for shape, letter in zip(task.shapes, self.letters, strict=True)
+            item.symmetry
+            for item, letter in zip(world.items, self.letters, strict=True)
             if letter in set(goal.word)
         )
 
@@ -68,10 +68,10 @@ class WordGoals:
         """Blocks on the table: position in its frame, and whether they are aligned with it."""
         blocks = {}
         for index, placement in enumerate(arrangement.placements):
-            if placement is not None and placement.surface == self.goal.surface:
+            if placement is not None and placement.support == self.goal.surface:
                 x, y, yaw = placement.pose
-                lx, ly = self.surface.table.local(x, y)
-                aligned = turn_error(yaw - self.surface.table.yaw, self.symmetry) < ALIGNED
+                lx, ly = self.ground.local(x, y)
+                aligned = turn_error(yaw - self.ground.yaw, self.symmetry) < ALIGNED
                 blocks[index] = (lx, ly, aligned)
         return blocks
 
@@ -98,7 +98,8 @@ class WordGoals:
         fitting = [row for row in rows if self._fits(row)]
         if fitting:
             return fitting
-        anywhere = [self.surface.table.local(x, y) for x, y in lattice(self.surface, 0.05)]
+        points = self.ground.lattice(LATTICE, 0.05)
+        anywhere = [self.ground.local(x, y) for x, y in points]
         rows = [self._row(x, y, 0, direction) for x, y in anywhere for direction in DIRECTIONS]
         return [row for row in rows if self._fits(row)]
 
@@ -116,9 +117,9 @@ class WordGoals:
         )
 
     def _fits(self, row: Row) -> bool:
-        inset = max(shape.inner_radius for shape in self.task.shapes)
+        inset = max(item.inner_radius for item in self.world.items)
         return all(
-            abs(x) <= self.surface.half[0] - inset and abs(y) <= self.surface.half[1] - inset
+            abs(x) <= self.ground.half[0] - inset and abs(y) <= self.ground.half[1] - inset
             for x, y in row.slots
         )
 
@@ -161,19 +162,22 @@ class WordGoals:
                 return index
         return min(
             candidates,
-            key=lambda index: (int(arrangement.pick_counts[index].min()), index),
+            key=lambda index: (
+                min(int(picks.counts[index].min()) for picks in arrangement.picks.values()),
+                index,
+            ),
             default=None,
         )
 
     def _sites(self, slot: tuple[float, float]) -> GoalSites:
-        x, y = self.surface.table.world(*slot)
+        x, y = self.ground.outside(*slot)
         xy = np.array([[round(x, 5), round(y, 5)]])
         return GoalSites(
             key=("slot", *xy[0].tolist()),
-            surface=self.goal.surface,
+            support=self.goal.surface,
             xy=xy,
-            reachable=np.array([self.task.reachable_xy(xy[0, 0], xy[0, 1], self.goal.surface)]),
+            xyz=np.array([[*xy[0], self.ground.height]]),
             tolerance=self.goal.tolerance,
-            yaw=self.surface.table.yaw,
+            yaw=self.ground.yaw,
             symmetry=self.symmetry,
         )

@@ -10,16 +10,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from domains.tabletop.actions.actions import Pick
 from domains.tabletop.loop.beliefs import Beliefs
 from domains.tabletop.loop.disturb import Disturber
 from domains.tabletop.loop.sensing import LOOKS, LostError, Seen, Senses, state_of
 from domains.tabletop.loop.subplan import next_subgoal, plan_of
 from domains.tabletop.loop.watch import Watcher
 from domains.tabletop.loop.ways import Ways
-from domains.tabletop.problem import PickPlaceProblem
+from domains.tabletop.problem import TabletopProblem
 from domains.tabletop.scene.model import Obstacle, Scene, UprightBox
-from domains.tabletop.state import Grasp, Pick
-from domains.tabletop.world import Task
+from domains.tabletop.state import Grasp
+from domains.tabletop.world import TabletopWorld
 from runtime.physics.execute import SETTLE, lacking, real_slips
 from runtime.physics.follow import CHECK, Follower, Slip, Touch
 from runtime.physics.recorder import Recorder
@@ -88,7 +89,7 @@ class ClosedLoop:
     def _know(self, scene: Scene) -> None:
         """Take a scene for what is there."""
         self.scene = scene
-        self.problem = PickPlaceProblem(Task(scene, self.robot), self.seed)
+        self.problem = TabletopProblem(TabletopWorld.of(scene, self.robot), self.seed)
         self.guide = Guide(self.compiled)
 
     def run(self) -> tuple[Verdict, Trace | None]:
@@ -124,7 +125,7 @@ class ClosedLoop:
         for _ in range(ROUNDS):
             seen = self.senses.look(LOOKS)
             try:
-                state = state_of(self.problem.task, self.beliefs.of(seen), self.grasp)
+                state = state_of(self.problem.world, self.beliefs.of(seen), self.grasp)
             except LostError as error:
                 return like, str(error)
             values = self.guide.values(state)

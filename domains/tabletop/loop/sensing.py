@@ -9,10 +9,10 @@ import numpy as np
 
 from domains.tabletop.loop.disturb import Disturber
 from domains.tabletop.state import BasePose, Grasp, Placement, State
-from domains.tabletop.world import Task
-from runtime.physics.execute import standing_on
+from domains.tabletop.world import Placements, TabletopWorld
+from runtime.physics.execute import NEAR, UPRIGHT
 from runtime.physics.simulation import Physics
-from runtime.robot.model import Floats
+from runtime.world.poses import Floats, Pose, compose, invert, upright
 from runtime.world.quaternions import matrix
 
 LOOKS = 9
@@ -73,24 +73,48 @@ def heading(pose: Floats) -> float:
     return math.atan2(turn[1, 0], turn[0, 0])
 
 
-def state_of(task: Task, seen: Seen, grasp: Grasp | None) -> State:
+def state_of(world: TabletopWorld, seen: Seen, grasp: Grasp | None) -> State:
     """What was seen as a state of the planner.
 
     Raises:
-        LostError: an object neither stands on a table nor is held.
+        LostError: an object neither rests on a support nor is held.
     """
-    placements: list[Placement | None] = []
-    for index, pose in enumerate(seen.objects):
+    n = len(seen.objects)
+    placements: list[Placement | None] = [None] * n
+    # What is below comes first: supports of what is above may belong to it.
+    for index in sorted(range(n), key=lambda i: float(seen.objects[i][2])):
         if index == seen.held:
-            placements.append(None)
             continue
-        surface = standing_on(task.scene, pose)
-        if surface is None:
-            name = task.scene.objects[index].name
-            raise LostError(f"{name} has fallen: the robot can only take what stands on a table")
-        placements.append(Placement.of(pose[0], pose[1], heading(pose), surface))
-    held = seen.held
+        item = world.items[index]
+        standing = compose(matrix(seen.objects[index])[:3], invert(item.standing))
+        support = _support_below(world, tuple(placements), standing)
+        if support is None or math.acos(min(1.0, abs(standing[2, 2]))) > UPRIGHT:
+            raise LostError(
+                f"{item.name} has fallen: the robot can only take what stands as it did"
+            )
+        placements[index] = world.relative(tuple(placements), support, standing)
     x, y, yaw = seen.base
+    held = seen.held
     return State(
-        BasePose.of(x, y, yaw), tuple(placements), held, grasp if held is not None else None, task
+        BasePose.of(x, y, yaw),
+        tuple(placements),
+        held,
+        grasp if held is not None else None,
+        world=world,
     )
+
+
+def _support_below(world: TabletopWorld, placements: Placements, standing: Pose) -> int | None:
+    """The support on which something with a standing frame in the world (3, 4) rests."""
+    for number, ground in enumerate(world.grounds):
+        frame = (0.0, 0.0, 0.0, 0.0)
+        if ground.owner is not None:
+            below = world.rests(placements, ground.owner)
+            if below is None:
+                continue
+            frame = below
+        local = compose(invert(upright(*frame)), standing)
+        level = abs(local[2, 3] - ground.height) < NEAR
+        if level and ground.contains(float(local[0, 3]), float(local[1, 3]), -NEAR):
+            return number
+    return None

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from domains.tabletop.actions.document import document
-from domains.tabletop.problem import PickPlaceProblem
+from domains.tabletop.problem import TabletopProblem
 from domains.tabletop.state import State
 from runtime.plan.model import Plan
 from runtime.search.guide import Guide, Subgoal
@@ -16,7 +16,7 @@ from runtime.search.siw_r import Outcome, find_subgoal, lazy
 
 def next_subgoal(
     guide: Guide,
-    problem: PickPlaceProblem,
+    problem: TabletopProblem,
     state: State,
     limits: Limits,
     rng: np.random.Generator,
@@ -30,8 +30,8 @@ def next_subgoal(
         return None
 
 
-def plan_of(problem: PickPlaceProblem, guide: Guide, state: State, subgoal: Subgoal) -> Plan:
+def plan_of(problem: TabletopProblem, guide: Guide, state: State, subgoal: Subgoal) -> Plan:
     """A subplan as a plan that starts in a state."""
     outcome = Outcome(solved=True, subgoals=[subgoal], state=subgoal.states[-1])
-    plan = document(problem.task, guide.model, outcome, "lazy-siiw-r", problem.executor.seed)
+    plan = document(problem.world, guide.model, outcome, "lazy-siiw-r", problem.executor.seed)
     return Plan(**{**vars(plan), "base_start": state.base.pose})

@@ -6,6 +6,7 @@ While nothing went wrong the arm follows its plan, and none of this is asked.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -18,10 +19,12 @@ from runtime.motion import rrt
 from runtime.motion.arm_context import CONTACT_MARGIN, ArmContext
 from runtime.motion.timing import time_path
 from runtime.robot.model import Floats, RobotModel
-from runtime.robot.urdf import Box
 from runtime.trace.model import WORLD, Trace
 from runtime.trace.track import Track, TrackBuilder
+from runtime.world.body import Part
+from runtime.world.poses import compose
 from runtime.world.quaternions import matrix
+from runtime.world.solids import smaller
 
 SAMPLE = 0.05
 """Seconds between the configurations of a trace that are tested; in between, collision tests
@@ -77,13 +80,13 @@ class Ways:
         held = self._held(seen)
         if handled is not None:
             span = trace.span(handled, time)
-            if span.frame != WORLD and held is None:
+            if span.frame != WORLD and not held:
                 held = self._in_tool(handled, matrix(span.at(time)))
                 seen = replace(seen, held=handled)
-            elif span.frame == WORLD and held is not None:
+            elif span.frame == WORLD and held:
                 objects = list(seen.objects)
                 objects[handled] = span.at(time)
-                held, seen = None, replace(seen, held=None, objects=tuple(objects))
+                held, seen = (), replace(seen, held=None, objects=tuple(objects))
         return self._context(seen, opening, held)
 
     def home(self, trace: Trace, start: float, end: float) -> tuple[float, Track] | None:
@@ -130,24 +133,22 @@ class Ways:
         builder.through(points, times)
         return builder.track()
 
-    def _context(self, seen: Seen, opening: float, held: Box | None) -> ArmContext:
+    def _context(self, seen: Seen, opening: float, held: Sequence[Part]) -> ArmContext:
         """Collision tests among what is seen, with the fingers `opening` metres apart."""
         rows = to_base_frame(seen_rows(self.scene, seen), *map(float, seen.base), REACH)
         return ArmContext(self.robot, self.robot.body(opening, held), rows)
 
-    def _held(self, seen: Seen) -> Box | None:
-        """What the gripper holds now as a box in the tool frame."""
+    def _held(self, seen: Seen) -> tuple[Part, ...]:
+        """The solids of what the gripper holds now, in the tool frame."""
         if seen.held is None:
-            return None
+            return ()
         tool = np.linalg.inv(self.physics.tool_matrix())
         return self._in_tool(seen.held, tool @ matrix(seen.objects[seen.held]))
 
-    def _in_tool(self, index: int, pose: Floats) -> Box:
-        """An object as a box in the tool frame, by the pose (4, 4) of its bottom there."""
-        half = np.array(self.scene.objects[index].size) / 2
-        centre = pose[:3].copy()
-        centre[:, 3] += half[2] * centre[:, 2]
-        return Box("held", centre, half - RESTING)
+    def _in_tool(self, index: int, pose: Floats) -> tuple[Part, ...]:
+        """The solids of an object in the tool frame, by the pose (4, 4) of its body there."""
+        parts = self.scene.world.movables[index].body.parts
+        return tuple(Part(smaller(p.solid, RESTING), compose(pose[:3], p.pose)) for p in parts)
 
 
 def _joints(trace: Trace, start: float, end: float) -> Floats:

@@ -8,63 +8,97 @@ from collections.abc import Sequence
 import numpy as np
 
 from domains.tabletop.sampling.draw import BASES, Draw
-from domains.tabletop.state import BasePose, Grasp, Placement
-from domains.tabletop.world import Task
-from runtime.kernels import plane
+from domains.tabletop.state import TOP, BasePose, Grasp, Placement, State
+from domains.tabletop.world import TabletopWorld
+from runtime.world.poses import compose, upright
 
 ROUNDS = 3
 """So many base poses for the same grasp, where there are few grasps."""
 
-Wanted = Sequence[tuple[Placement | None, Grasp]]
-"""Grasps of one object, and where it stands or is to stand."""
+Wanted = tuple[int, Sequence[tuple[Placement | None, Grasp]]]
+"""An object, and grasps of it with where it rests or is to rest."""
 
 
 class BaseSampler:
     """Samples base poses for one task."""
 
-    def __init__(self, task: Task) -> None:
-        self.task = task
+    def __init__(self, world: TabletopWorld) -> None:
+        self.world = world
 
     def poses(self, draw: Draw, wanted: Sequence[Wanted]) -> list[BasePose]:
         """Base poses from which the wanted grasps can be taken: one grasp of every object
         first, then the next of every object, and again, up to a number for each surface."""
+        if self.world.is_fixed:
+            return []
+        bases, served = self._sampled(draw, wanted, narrow=False)
+        barred = [targets for targets in wanted if targets[0] not in served or draw.attempt]
+        if (barred and len(served) < len({index for index, _ in wanted})) or draw.attempt:
+            bases += self._sampled(draw, barred, narrow=True)[0]
+        return bases
+
+    def _sampled(
+        self, draw: Draw, wanted: Sequence[Wanted], narrow: bool
+    ) -> tuple[list[BasePose], set[int]]:
+        """Base poses, at which the robot can turn or which are `narrow`, and the objects that
+        some of them serve."""
         limit = BASES * draw.scale
         count: dict[int, int] = {}
         bases: list[BasePose] = []
-        for turn in range(ROUNDS * max((len(targets) for targets in wanted), default=0)):
-            for targets in wanted:
+        served: set[int] = set()
+        for turn in range(ROUNDS * max((len(targets) for _, targets in wanted), default=0)):
+            for index, targets in wanted:
                 if turn >= ROUNDS * len(targets):
                     continue
                 placement, grasp = targets[turn % len(targets)]
-                if placement is None or count.get(placement.surface, 0) >= limit:
+                if placement is None or count.get(placement.support, 0) >= limit:
                     continue
-                base = self.pose_for(placement, grasp, draw.rng)
+                base = self.pose_for(draw.state, index, placement, grasp, draw.rng, narrow)
                 if base is not None:
                     bases.append(base)
-                    count[placement.surface] = count.get(placement.surface, 0) + 1
-        return bases
+                    served.add(index)
+                    count[placement.support] = count.get(placement.support, 0) + 1
+        return bases, served
 
     def pose_for(
-        self, placement: Placement, grasp: Grasp, rng: np.random.Generator
+        self,
+        state: State,
+        index: int,
+        placement: Placement,
+        grasp: Grasp,
+        rng: np.random.Generator,
+        narrow: bool = False,
     ) -> BasePose | None:
-        """A random base pose from which the wrist of a grasp is in the arm's workspace."""
-        workspace = self.task.robot.annulus
-        x, y, yaw = placement.pose
-        heading = yaw + grasp.heading
-        wx = x - workspace.wrist_offset * math.cos(heading)
-        wy = y - workspace.wrist_offset * math.sin(heading)
-        tries = 48
-        # Straight behind the gripper is easiest for the arm; stray further try by try.
-        bearing = heading + rng.normal(size=tries) * np.linspace(0.2, 1.2, tries)
-        reach = rng.uniform(workspace.inner, workspace.outer, tries)
+        """A random base pose from which the wrist of a grasp is in the arm's workspace, at
+        which the robot can turn; with `narrow` one at which it cannot, but which it can leave
+        straight backwards."""
+        world = self.world
+        at = world.rests_at(state.placements, index, placement)
+        if at is None:
+            return None
+        centre = compose(upright(*at), grasp.tool)[:, 3].tolist()
+        found = world.hand.workspace(grasp.family, centre[2])
+        if found is None:
+            return None
+        wrist, inner, outer = found
+        x, y = centre[:2]
+        heading = at[3] + grasp.heading
+        wx, wy = x - wrist * math.cos(heading), y - wrist * math.sin(heading)
+        tries = 16 if narrow else 48
+        if grasp.family == TOP:
+            # The wrist is above: the arm may come from anywhere.
+            bearing = rng.uniform(-math.pi, math.pi, tries)
+        else:
+            # Straight behind the gripper is easiest for the arm; stray further try by try.
+            bearing = heading + rng.normal(size=tries) * np.linspace(0.2, 1.2, tries)
+        reach = rng.uniform(inner, outer, tries)
         turn = rng.uniform(-0.4, 0.4, tries)
-        cx, cy = workspace.centre
-        room = self.task.room
+        cx, cy = world.shoulder
         for b, r, t in zip(bearing, reach, turn, strict=True):
             hx, hy = wx - r * math.cos(b), wy - r * math.sin(b)
             facing = math.atan2(y - hy, x - hx) + t
             c, s = math.cos(facing), math.sin(facing)
             bx, by = hx - c * cx + s * cy, hy - s * cx - c * cy
-            if plane.in_room(*room, bx, by):
+            stands = world.is_narrow if narrow else world.has_room
+            if stands(bx, by, facing):
                 return BasePose.of(bx, by, facing)
         return None

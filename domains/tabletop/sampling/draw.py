@@ -1,4 +1,4 @@
-"""One drawing of samples: from which state, for the how manieth time, and how many."""
+"""One drawing of samples: from which state, after how many failures, and how many."""
 
 from __future__ import annotations
 

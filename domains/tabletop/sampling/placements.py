@@ -3,16 +3,25 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 
 from domains.tabletop.features import swept
+from domains.tabletop.features.functions import (
+    arrangement,
+    disturbed_by,
+    misplaced,
+    obstructions,
+)
 from domains.tabletop.features.goals import GoalSites
 from domains.tabletop.features.swept import STEP
+from domains.tabletop.ground import Ground
 from domains.tabletop.sampling.draw import PLACEMENTS, Draw, heading_bit, pick_headings
-from domains.tabletop.state import UNIT, Grasp, Placement, State
-from domains.tabletop.world import PLACING_INSET, Task
+from domains.tabletop.state import Grasp, Placement, State
+from domains.tabletop.world import AWAY, PLACING_INSET, TabletopWorld
+from runtime.world.poses import Floats
 
 CHOICE = 3
 """Placements to put something aside are the best of so many times their number."""
@@ -24,141 +33,274 @@ BIN = 0.1
 class PlacementSampler:
     """Samples placements for one task."""
 
-    def __init__(self, task: Task) -> None:
-        self.task = task
+    def __init__(self, world: TabletopWorld) -> None:
+        self.world = world
 
     def of_held(self, draw: Draw) -> list[Placement]:
         """Goal placements of the held object; elsewhere where these do not serve."""
-        task, state = self.task, draw.state
+        world, state = self.world, draw.state
         index, _ = draw.held
-        goal = task.goal_sites(index, task.arrangement(state.placements))
+        goal = world.goal_sites(index, arrangement(world, state.placements))
         number = PLACEMENTS * draw.scale
         found: list[Placement] = []
-        if goal is not None and (draw.doubting or task.obstructions(state, index) == 0):
+        if goal is not None and (draw.doubting or obstructions(state, index) == 0):
             found = self._at_goal(draw, goal, number)
-            if draw.attempt == 0 and any(task.disturbed_by(state, index, p) == 0 for p in found):
+            if draw.attempt == 0 and any(disturbed_by(state, index, p) == 0 for p in found):
                 return found
         aside = []
-        for surface in range(len(task.scene.surfaces)):
-            candidates = self._free(draw, surface, CHOICE * number)
+        for support in self._supports(draw):
+            candidates = self._free(draw, support, CHOICE * number)
             aside += self._least_in_the_way(state, candidates)[:number]
         return found + self._least_in_the_way(state, aside)
+
+    def _supports(self, draw: Draw) -> list[int]:
+        """Supports on which something may be put aside: those that never move; once that
+        failed, the others as well, but for what the held object carries."""
+        world = self.world
+        fixed = [i for i, ground in enumerate(world.grounds) if ground.owner is None]
+        if not draw.doubting:
+            return fixed
+        here = arrangement(world, draw.state.placements)
+        return fixed + [
+            i
+            for i, ground in enumerate(world.grounds)
+            if ground.owner is not None and here.present[ground.owner]
+        ]
 
     def with_grasp(self, draw: Draw, grasp: Grasp) -> list[Placement]:
         """Goal placements for the held object, were it held with another grasp."""
         state, (index, _) = draw.state, draw.held
-        regrasped = State(state.base, state.placements, index, grasp, self.task)
-        goal = self.task.goal_sites(index, self.task.arrangement(state.placements))
+        goal = self.world.goal_sites(index, arrangement(self.world, state.placements))
         if goal is None:
             return []
-        return self._at_goal(replace(draw, state=regrasped), goal, draw.scale)
+        return self._at_goal(replace(draw, state=replace(state, grasp=grasp)), goal, draw.scale)
 
-    def anywhere(self, draw: Draw) -> list[Placement]:
-        """Placements for whatever will be picked up, unoccupied for the largest object."""
-        task, state = self.task, draw.state
+    def anywhere(self, draw: Draw) -> tuple[list[Placement], int]:
+        """Placements for whatever will be picked up, unoccupied for the largest object, and
+        that object."""
+        world, state = self.world, draw.state
         standing = [i for i, placement in enumerate(state.placements) if placement is not None]
-        index = max(standing, key=lambda i: task.shapes[i].outer_radius)
-        grasp = Grasp.of(draw.rng.uniform(0.0, 2 * math.pi), task.shapes[index].grasp_height)
-        holding = replace(draw, state=State(state.base, state.placements, index, grasp, task))
+        index = max(standing, key=lambda i: world.items[i].outer_radius)
+        grasp = Grasp.of(draw.rng.uniform(0.0, 2 * math.pi), 0.1)
+        holding = replace(draw, state=replace(state, held=index, grasp=grasp))
         found = []
-        for surface in range(len(task.scene.surfaces)):
-            found += self._free(holding, surface, PLACEMENTS * draw.scale)
-        return found
+        for support in self._supports(draw):
+            if world.grounds[support].owner is None:
+                found += self._free(holding, support, PLACEMENTS * draw.scale)
+        return found, index
 
     def _least_in_the_way(self, state: State, placements: list[Placement]) -> list[Placement]:
         """Placements ordered by how many ways, to misplaced objects and to places that
         goals name, an object there would bar; the farther from the robot the later."""
-        task = self.task
         index = state.held
         assert index is not None
-        arrangement = task.arrangement(state.placements)
-        misplaced = [i for i in task.misplaced(state) if state.placements[i] is not None]
-        named = (task.goal_sites(i, arrangement) for i in range(len(state.placements)))
-        goals = [goal for goal in named if goal is not None and goal.region is None]
-        xy = np.array([arrangement.xy[i] for i in misplaced] + [goal.xy[0] for goal in goals])
-        if not len(xy):
-            xy = np.zeros((0, 2))
-        reachable = np.array(
-            [arrangement.reachable[i] for i in misplaced] + [goal.reachable[0] for goal in goals],
-            dtype=np.int64,
-        )
-        grips = np.tile(task.place_grips(index, None, None), (len(xy), 1))
-        boxes = np.array([task.object_row(index, p) for p in placements]).reshape(-1, 8)
-        barred = swept.barred_matrix(xy, grips, boxes, task.strip) & reachable[:, None]
-        ways = np.bitwise_count(barred).sum(axis=0) if len(xy) else np.zeros(len(placements))
-        distance = np.hypot(boxes[:, 0] - state.base.x * UNIT, boxes[:, 1] - state.base.y * UNIT)
+        boxes = np.array([self._box(state, index, p) for p in placements]).reshape(-1, 8)
+        ways = self._ways_barred(state, index, boxes)
+        x, y, _ = state.base.pose
+        distance = np.hypot(boxes[:, 0] - x, boxes[:, 1] - y)
         return [placements[i] for i in np.lexsort((distance, ways))]
+
+    def _ways_barred(self, state: State, index: int, boxes: Floats) -> Floats:
+        """How many ways, to misplaced objects and to named goals, boxes (p, 8) would bar."""
+        world = self.world
+        here = arrangement(world, state.placements)
+        wrong = [i for i in sorted(misplaced(state)) if here.present[i]]
+        named = [
+            (i, goal)
+            for i in range(len(state.placements))
+            if (goal := world.goal_sites(i, here)) is not None and goal.region is None
+        ]
+        count = np.zeros(len(boxes))
+        for family in world.families:
+            picks = here.picks[family]
+            hand = world.hand.sweeps[family]
+            if wrong:
+                owns = np.array([world.own(i) for i in wrong])
+                barred = swept.barred_matrix(
+                    here.sites[wrong], picks.holds[wrong], picks.heights[wrong], owns, boxes,
+                    hand, 0.0,
+                )  # fmt: skip
+                reachable = picks.reachable[wrong]
+                count += np.bitwise_count(barred & reachable[:, None]).sum(axis=0)
+            for i, goal in named:
+                ways = here.places_of(i, goal, family)
+                barred = swept.barred_matrix(
+                    goal.xyz[:1], ways.hold.rows[None], np.array([ways.hold.height]),
+                    ways.own[None], boxes, hand, 0.0,
+                )  # fmt: skip
+                count += np.bitwise_count(barred & ways.reachable[:1, None]).sum(axis=0)
+        return count
+
+    def _box(self, state: State, index: int, placement: Placement) -> Floats:
+        at = self.world.rests_at(state.placements, index, placement)
+        assert at is not None, "placements are sampled on supports that rest"
+        return self.world.box_row(index, at)
 
     def _at_goal(self, draw: Draw, goal: GoalSites, number: int) -> list[Placement]:
         if goal.region is not None:
-            return self._free(draw, goal.surface, number)
+            return self._free(draw, goal.support, number)
         _, grasp = draw.held
+        frame = goal.frame or 0.0
         found = []
-        for x, y in goal.xy:
+        for (x, y), site in zip(goal.xy, goal.xyz, strict=True):
+            free = self._free_at(draw, site)
             if goal.yaw is not None:
                 step = 2 * math.pi / goal.symmetry
                 turns = [goal.yaw + i * step for i in range(goal.symmetry)]
-                free = self._free_at(draw, x, y, goal.surface)
-                held = grasp.heading
-                yaws = [yaw for yaw in turns if (free >> heading_bit(yaw + held)) & 1] or turns
+                yaws = [
+                    yaw for yaw in turns if (free >> heading_bit(yaw + frame + grasp.heading)) & 1
+                ] or turns
             else:
-                free = self._free_at(draw, x, y, goal.surface)
                 headings = pick_headings(free, number, draw.rng)
-                yaws = [k * STEP + draw.jitter() - grasp.heading for k in headings]
-            found += [Placement.of(x, y, yaw, goal.surface) for yaw in yaws]
+                yaws = [k * STEP + draw.jitter() - grasp.heading - frame for k in headings]
+            found += [Placement.of(x, y, yaw, goal.support) for yaw in yaws]
         return found
 
-    def _free(self, draw: Draw, surface_index: int, number: int) -> list[Placement]:
-        """Random unoccupied placements on a surface, in its least filled bins, with a
+    def _free(self, draw: Draw, support: int, number: int) -> list[Placement]:
+        """Random unoccupied placements on a support, in its least filled bins, with a
         heading for which the held object's grasp can come in where nothing bars it."""
-        task, state, rng = self.task, draw.state, draw.rng
-        index, grasp = draw.held
-        surface = task.scene.surfaces[surface_index]
-        arrangement = task.arrangement(state.placements)
-        inset = task.shapes[index].outer_radius + PLACING_INSET
-        spans = [half - inset for half in surface.half]
-        if min(spans) <= 0:
+        world = self.world
+        index, _ = draw.held
+        ground, item = world.grounds[support], world.items[index]
+        spans, turns = self._room(ground, index)
+        frame = (0.0, 0.0, 0.0, 0.0)
+        if ground.owner is not None:
+            frame = world.rests(draw.state.placements, ground.owner) or AWAY
+        if spans is None or item.size[2] > ground.clearance - PLACING_INSET or frame is AWAY:
             return []
-        bins = [max(1, int(2 * span / BIN)) for span in spans]
-        load = np.zeros(bins[0] * bins[1])
-        for placement in state.placements:
-            if placement is not None and placement.surface == surface_index:
-                lx, ly = surface.table.local(*placement.pose[:2])
-                i = min(bins[0] - 1, max(0, int((lx + spans[0]) / (2 * spans[0]) * bins[0])))
-                j = min(bins[1] - 1, max(0, int((ly + spans[1]) / (2 * spans[1]) * bins[1])))
-                load[i * bins[1] + j] += 1
-        order = np.argsort(load + rng.uniform(0.0, 0.9, len(load)))
-        radius = task.shapes[index].outer_radius
-        low, high = surface.rest, surface.rest + task.shapes[index].size[2]
+        radius = item.outer_radius if turns is None else item.inner_radius
         found: list[Placement] = []
         for turn in range(3):
-            for cell in order:
-                i, j = divmod(int(cell), bins[1])
-                lx = -spans[0] + (i + rng.random()) * 2 * spans[0] / bins[0]
-                ly = -spans[1] + (j + rng.random()) * 2 * spans[1] / bins[1]
-                x, y = surface.table.world(lx, ly)
-                if swept.occupied_sites(np.array([[x, y]]), radius, arrangement.boxes, -1)[0]:
+            for lx, ly in self._by_load(draw, support, spans):
+                x, y = ground.outside(lx, ly)
+                site = _moved(frame, x, y, ground.height)
+                if self._is_taken(draw, site, radius, ground.owner):
                     continue
-                if swept.nearest_static(x, y, task.statics, low, high) < radius:
-                    continue
-                free = self._free_at(draw, x, y, surface_index)
+                free = self._free_at(draw, site)
                 if not free and turn < 2:
                     continue
-                for k in pick_headings(free or swept.ALL, 1, rng):
-                    yaw = k * STEP + draw.jitter() - grasp.heading
-                    found.append(Placement.of(x, y, yaw, surface_index))
+                yaw = self._heading(draw, free, turns, frame[3], turn == 2)
+                if yaw is None or (turns and not self._fits(draw, support, x, y, yaw)):
+                    continue
+                found.append(Placement.of(x, y, yaw, support))
                 if len(found) >= number:
                     return found
         return found
 
-    def _free_at(self, draw: Draw, x: float, y: float, surface: int) -> int:
+    def _by_load(
+        self, draw: Draw, support: int, spans: list[float]
+    ) -> Iterator[tuple[float, float]]:
+        """A random point of every bin of a support, in its frame, least filled bins first."""
+        ground, rng = self.world.grounds[support], draw.rng
+        bins = [max(1, int(2 * span / BIN)) for span in spans]
+        load = np.zeros(bins[0] * bins[1])
+        for placement in draw.state.placements:
+            if placement is not None and placement.support == support:
+                point = ground.local(*placement.pose[:2])
+                i, j = (
+                    min(count - 1, max(0, int((value + span) / max(2 * span, 1e-9) * count)))
+                    for value, span, count in zip(point, spans, bins, strict=True)
+                )
+                load[i * bins[1] + j] += 1
+        for cell in np.argsort(load + rng.uniform(0.0, 0.9, len(load))):
+            i, j = divmod(int(cell), bins[1])
+            lx = -spans[0] + (i + rng.random()) * 2 * spans[0] / bins[0]
+            ly = -spans[1] + (j + rng.random()) * 2 * spans[1] / bins[1]
+            yield lx, ly
+
+    def _is_taken(self, draw: Draw, site: Floats, radius: float, below: int | None) -> bool:
+        """Whether something stands at a site (3,) where the held object would, or is too near."""
+        world, (index, _) = self.world, draw.held
+        here = arrangement(world, draw.state.placements)
+        tall = world.items[index].size[2]
+        own = np.array([radius, tall])
+        skip = -1 if below is None else below
+        if swept.occupied_sites(site[None], own, here.boxes, skip)[0]:
+            return True
+        low, high = site[2], site[2] + tall
+        return bool(swept.nearest_static(site[0], site[1], world.statics, low, high) < radius)
+
+    def _heading(
+        self, draw: Draw, free: int, turns: list[float] | None, frame: float, desperate: bool
+    ) -> float | None:
+        """A heading, in the frame of the support, with which the held object's grasp comes in
+        along one of the free headings; any one where that does not matter any more."""
+        _, grasp = draw.held
+        if turns is None:
+            k = pick_headings(free or swept.ALL, 1, draw.rng)[0]
+            return k * STEP + draw.jitter() - grasp.heading - frame
+        fitting = [t for t in turns if (free >> heading_bit(t + frame + grasp.heading)) & 1]
+        chosen = fitting or (turns if desperate else [])
+        return chosen[int(draw.rng.integers(len(chosen)))] if chosen else None
+
+    def _room(self, ground: Ground, index: int) -> tuple[list[float] | None, list[float] | None]:
+        """Half the room for the middle of an object on a support, along its x and y; and the
+        headings that fit, where not all do: a long thing lies along the sides."""
+        item = self.world.items[index]
+        inset = item.outer_radius + PLACING_INSET
+        spans = [half - inset for half in ground.half]
+        slim = max(item.size[:2]) > 2.5 * min(item.size[:2])
+        if min(spans) > 0 and not slim:
+            return spans, None
+        yaw = ground.yaw
+        for turn in (0, 1):
+            half = [item.size[turn] / 2, item.size[1 - turn] / 2]
+            tight = [h - e - PLACING_INSET / 2 for h, e in zip(ground.half, half, strict=True)]
+            if min(tight) >= 0:
+                along = yaw + turn * math.pi / 2
+                return tight, [along, along + math.pi]
+        on_top = [min(item.size[k], item.size[1 - k]) / 2 for k in (0, 1)]
+        if ground.owner is not None and max(on_top) <= 2 * max(ground.half):
+            return [0.0, 0.0], None  # on something smaller only the middle is safe
+        return None, None
+
+    def _fits(self, draw: Draw, support: int, x: float, y: float, yaw: float) -> bool:
+        """Whether the held object, lying there so, is clear of other objects and of what is
+        fixed, by the boxes around them."""
+        world, state = self.world, draw.state
+        index, _ = draw.held
+        placement = Placement.of(x, y, yaw, support)
+        box = self._box(state, index, placement)
+        here = arrangement(world, state.placements)
+        owner = world.grounds[support].owner
+        others = [b for i, b in enumerate(here.boxes) if here.present[i] and i != owner]
+        return not any(_overlap(box, other) for other in [*others, *world.statics])
+
+    def _free_at(self, draw: Draw, site: Floats) -> int:
         """Headings along which nothing bars the way to a site that is not occupied."""
         if draw.doubting:
             return swept.ALL
-        task, (index, grasp) = self.task, draw.held
-        arrangement = task.arrangement(draw.state.placements)
-        site = np.array([[x, y]])
-        grips = task.place_grips(index, None, grasp)[None]
-        barred = swept.barred_matrix(site, grips, arrangement.boxes, task.strip)[0]
-        reachable = int(task.reachable_sites(site, task.scene.surfaces[surface].rest)[0])
+        world, (index, grasp) = self.world, draw.held
+        here = arrangement(world, draw.state.placements)
+        hold = world.place_hold(index, grasp.family, None, grasp)
+        own = world.own(index)
+        boxes = here.boxes
+        barred = swept.barred_matrix(
+            site[None], hold.rows[None], np.array([hold.height]), own[None], boxes,
+            world.hand.sweeps[grasp.family], 0.0,
+        )[0]  # fmt: skip
+        reachable = int(world.reachable(site[None], own, hold, grasp.family)[0])
         return reachable & ~int(np.bitwise_or.reduce(barred)) if len(barred) else reachable
+
+
+def _moved(frame: tuple[float, float, float, float], x: float, y: float, z: float) -> Floats:
+    """A point in a frame that is at x, y, height and heading, in the world (3,)."""
+    c, s = math.cos(frame[3]), math.sin(frame[3])
+    return np.array([frame[0] + c * x - s * y, frame[1] + s * x + c * y, frame[2] + z])
+
+
+def _overlap(a: Floats, b: Floats) -> bool:
+    """Whether two upright boxes (8,) come within the play of each other."""
+    if abs(a[2] - b[2]) >= a[5] + b[5] - swept.LEVEL:
+        return False
+    dx, dy = b[0] - a[0], b[1] - a[1]
+    for box in (a, b):
+        c, s = box[6], box[7]
+        for ux, uy in ((c, s), (-s, c)):
+            reach = sum(
+                r[3] * abs(ux * r[6] + uy * r[7]) + r[4] * abs(uy * r[6] - ux * r[7])
+                for r in (a, b)
+            )
+            if abs(dx * ux + dy * uy) >= reach + swept.PLAY:
+                return False
+    return True

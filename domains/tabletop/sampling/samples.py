@@ -2,27 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from domains.tabletop.actions.actions import Action, ActionSchema, MoveBase, Pick, Place
 from domains.tabletop.actions.executability import Executor, Target
-from domains.tabletop.sampling.bases import BaseSampler
+from domains.tabletop.sampling.bases import BaseSampler, Wanted
 from domains.tabletop.sampling.draw import DOUBT, Draw
 from domains.tabletop.sampling.grasps import GraspSampler
 from domains.tabletop.sampling.placements import PlacementSampler
-from domains.tabletop.state import (
-    Action,
-    BasePose,
-    Grasp,
-    MoveBase,
-    Pick,
-    Place,
-    Placement,
-    State,
-)
-from domains.tabletop.world import Task
+from domains.tabletop.state import BasePose, Grasp, Placement, State
+from domains.tabletop.world import TabletopWorld
 
 REGRASP_PLACES = 4
 """Places at which the held object may be put down to grip it anew."""
@@ -37,6 +29,7 @@ class Samples:
     picks: tuple[tuple[int, tuple[Grasp, ...]], ...]
     places: tuple[Placement, ...]
     placed: int | None  # the object that `places` are for; None: any
+    added: tuple[tuple[ActionSchema, Action], ...] = ()
 
     def actions(self, state: State) -> Iterator[tuple[Action, State]]:
         """Sampled ground actions in a state, and where each leads if it is executable.
@@ -49,52 +42,69 @@ class Samples:
         if state.held is None:
             for index, grasps in self.picks:
                 placement = state.placements[index]
-                if placement is not None:
+                if placement is not None and not self.executor.world.riders(
+                    state.placements, index
+                ):
                     targets.extend((index, placement, grasp) for grasp in grasps)
         elif state.grasp is not None and self.placed in (None, state.held):
             targets = [(state.held, placement, state.grasp) for placement in self.places]
-        for index, placement, grasp in executor.in_arm_workspace(state.base, targets):
+        for index, placement, grasp in executor.in_arm_workspace(state, state.base, targets):
             action = Pick(index, grasp) if state.held is None else Place(index, placement)
-            yield action, state.after(action)
+            yield action, action.after(state)
+        for schema, added in self.added:
+            if schema.applicable(state, added):
+                yield added, added.after(state)
         here = state.base
         for base in sorted(self.bases, key=lambda b: (b.x - here.x) ** 2 + (b.y - here.y) ** 2):
             if base != here:
                 move = MoveBase(base)
-                yield move, state.after(move)
+                yield move, move.after(state)
 
 
 class Sampler:
-    """Samples the subproblems of one task."""
+    """Samples the subproblems of one task; `schemas` are actions that the domain adds."""
 
-    def __init__(self, task: Task, executor: Executor) -> None:
+    def __init__(
+        self, world: TabletopWorld, executor: Executor, schemas: Sequence[ActionSchema] = ()
+    ) -> None:
         self.executor = executor
-        self.grasps = GraspSampler(task)
-        self.placements = PlacementSampler(task)
-        self.bases = BaseSampler(task)
+        self.schemas = tuple(schemas)
+        self.grasps = GraspSampler(world)
+        self.placements = PlacementSampler(world)
+        self.bases = BaseSampler(world)
 
     def sample(self, state: State, attempt: int, rng: np.random.Generator) -> Samples:
         """Samples for the subproblem that starts in a state; `attempt` counts its failures."""
         draw = Draw(state, attempt, rng)
+        wanted: list[Wanted] = []
         if state.held is None:
             picks = self.grasps.picks(draw)
-            wanted = [
-                [(state.placements[index], grasp) for grasp in grasps] for index, grasps in picks
+            wanted += [
+                (index, [(state.placements[index], grasp) for grasp in grasps])
+                for index, grasps in picks
             ]
-            places = self.placements.anywhere(draw) if draw.doubting else []
-            wanted += [[(placement, Grasp.of(0.0, 0.0))] for placement in places]
+            places, largest = self.placements.anywhere(draw) if draw.doubting else ([], 0)
+            wanted += [(largest, [(p, Grasp.of(0.0, 0.0))]) for p in places]
         else:
-            _, held = draw.held
+            index, held = draw.held
             places = self.placements.of_held(draw)
-            wanted = [[(placement, held)] for placement in places]
+            wanted += [(index, [(placement, held)]) for placement in places]
             picks = self.grasps.regrasps(draw) if attempt > 0 else []
             for _, grasps in picks:
                 aside = list(places[:REGRASP_PLACES])
                 for grasp in grasps:
                     goals = self.placements.with_grasp(draw, grasp)
                     places += goals
-                    wanted += [[(placement, grasp)] for placement in goals + aside]
+                    wanted += [(index, [(placement, grasp)]) for placement in goals + aside]
             if attempt > DOUBT:
                 picks += self.grasps.picks(draw)
         bases = self.bases.poses(draw, wanted)
         placed = state.held if attempt <= DOUBT else None
-        return Samples(self.executor, tuple(bases), tuple(picks), tuple(places), placed)
+        added = [
+            (schema, action)
+            for schema in self.schemas
+            for action in schema.sample(state, attempt, rng)
+        ]
+        return Samples(
+            self.executor, tuple(bases), tuple(picks), tuple(places), placed, tuple(added)
+        )

@@ -128,6 +128,7 @@ class Scene:
     goals: dict[int, Goal]
     word: WordGoal | None
     digest: str
+    families: tuple[int, ...] = (0,)
 
     @cached_property
     def obstacle_rows(self) -> Floats:

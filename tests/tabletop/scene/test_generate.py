@@ -6,7 +6,6 @@ import pytest
 
 from domains.tabletop.scene.generate import sorting_scene
 from domains.tabletop.scene.load import load_scene
-from domains.tabletop.world import Task
 from runtime.robot.load import load_robot
 
 

@@ -1,0 +1,119 @@
+"""The functions of the domain that speak of obstruction: misplaced, alpha, beta (paper, Sketch).
+
+They are functions of where the objects are and of the grasp alone: not of the samples of a
+subproblem, not of where the robot stands, not of what was asked before.
+"""
+
+from __future__ import annotations
+
+from itertools import islice
+from typing import TYPE_CHECKING
+
+from domains.tabletop.features import swept
+from domains.tabletop.features.arrangement import Arrangement
+from domains.tabletop.state import Placement, State
+
+if TYPE_CHECKING:
+    from domains.tabletop.world import Placements, TabletopWorld
+
+CACHED_OBJECTS = 12_000
+"""As many arrangements are remembered as hold so many objects together, and not less than ..."""
+
+MIN_CACHED = 48
+LOOK_BACK = 12
+"""Arrangements that are looked through for one that differs in one object only."""
+
+
+def arrangement(world: TabletopWorld, placements: Placements) -> Arrangement:
+    """The geometry of an arrangement, from memory where it is known."""
+    known = world.memory.table("arrangements")
+    if known:  # hashing the places of many objects takes its time
+        latest = next(reversed(known.values()))
+        if latest.placements is placements:
+            return latest  # type: ignore[no-any-return]
+    found = known.get(placements)
+    if found is None:
+        origin = _origin(known.values(), placements)
+        found = origin.moved(placements) if origin else Arrangement.afresh(world, placements)
+        known[placements] = found
+        if len(known) > max(MIN_CACHED, CACHED_OBJECTS // max(1, len(placements))):
+            known.popitem(last=False)
+    else:
+        known.move_to_end(placements)
+    return found
+
+
+def _origin(known: object, placements: Placements) -> Arrangement | None:
+    """A recent arrangement that differs in one object only."""
+    for candidate in islice(reversed(known), LOOK_BACK):  # type: ignore[call-overload]
+        changed = 0
+        for a, b in zip(candidate.placements, placements, strict=True):
+            if a is not b and a != b:
+                changed += 1
+                if changed > 1:
+                    break
+        if changed <= 1:
+            return candidate  # type: ignore[no-any-return]
+    return None
+
+
+def misplaced(state: State) -> frozenset[int]:
+    """Objects that stand outside their goal, or are held and their goal is blocked."""
+    here = arrangement(state.world, state.placements)
+    known = here.misplaced.get(state.grasp)
+    if known is None:
+        found = set(here.unplaced())
+        if state.held is not None:
+            goal = state.world.goal_sites(state.held, here)
+            if goal is not None and here.obstructions(state.held, goal, state.grasp) > 0:
+                found.add(state.held)
+        known = here.misplaced[state.grasp] = frozenset(found)
+    return known
+
+
+def obstructions(state: State, index: int) -> int:
+    """alpha of an object: fewest objects in the way of picking it up and of putting it
+    at its goal with the same grasp (0 for an object without a goal)."""
+    here = arrangement(state.world, state.placements)
+    goal = state.world.goal_sites(index, here)
+    if goal is None:
+        return 0
+    return here.obstructions(index, goal, state.grasp if state.held == index else None)
+
+
+def goal_placements(state: State, index: int) -> tuple[Placement, ...]:
+    """Goal placements of an object that no other object occupies."""
+    here = arrangement(state.world, state.placements)
+    goal = state.world.goal_sites(index, here)
+    if goal is None:
+        return ()
+    taken = swept.occupied_sites(goal.xyz, state.world.own(index), here.boxes, index)
+    return tuple(p for p, occupied in zip(goal.placements, taken, strict=True) if not occupied)
+
+
+def disturbed_by(state: State, index: int, placement: Placement) -> int:
+    """How many other misplaced objects are obstructed more with the object there."""
+    return _without(state, index).disturbed_by(index, placement, misplaced(state))
+
+
+def disturbances(state: State, index: int) -> int:
+    """beta of an object: fewest misplaced objects that a goal place of it blocks."""
+    here = arrangement(state.world, state.placements)
+    goal = state.world.goal_sites(index, here)
+    if goal is None:
+        return 0
+    others = misplaced(state)
+    without = _without(state, index)
+    fewest = len(others)
+    for placement in goal_placements(state, index) or goal.placements:
+        fewest = min(fewest, without.disturbed_by(index, placement, others))
+        if fewest == 0:
+            break
+    return fewest
+
+
+def _without(state: State, index: int) -> Arrangement:
+    placements = state.placements
+    if placements[index] is not None:
+        placements = (*placements[:index], None, *placements[index + 1 :])
+    return arrangement(state.world, placements)

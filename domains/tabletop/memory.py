@@ -1,0 +1,34 @@
+"""What a world remembers of questions that it was asked; it could forget all of it at any time."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Callable, Hashable
+from typing import Any, TypeVar
+
+T = TypeVar("T")
+
+
+class Memory:
+    """Answers by question. Every table has a name and a bound: the answers that were asked for
+    least lately go first."""
+
+    BOUND = 20_000
+
+    def __init__(self) -> None:
+        self._tables: dict[str, OrderedDict[Hashable, Any]] = {}
+
+    def table(self, name: str) -> OrderedDict[Hashable, Any]:
+        """The answers to questions of one name, the latest last."""
+        return self._tables.setdefault(name, OrderedDict())
+
+    def answer(self, name: str, question: Hashable, compute: Callable[[], T]) -> T:
+        """The answer that is remembered, or what `compute` gives."""
+        table = self.table(name)
+        if question in table:
+            found: T = table[question]
+            return found
+        table[question] = answer = compute()
+        if len(table) > self.BOUND:
+            table.popitem(last=False)
+        return answer
