@@ -58,7 +58,7 @@ class Table:
             raise InputError(
                 f"the key {key!r} is missing",
                 place=self.place,
-                hint=f"did you mean it by {close[0]!r}?" if close else None,
+                hint=f"{close[0]!r} looks like it: is it misspelt?" if close else None,
             )
         return self._data[key]
 

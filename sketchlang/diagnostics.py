@@ -29,12 +29,20 @@ class Label:
 
 
 @dataclass(frozen=True, slots=True)
+class Fix:
+    """What the hint says as an edit: `text` in the place of `span`, in the primary's source."""
+
+    span: Span
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
 class Diagnostic:
     """One finding: stable code (kebab-case), one terse sentence, where, and what to do.
 
     `primary` is the place to fix; `secondary` are the other places that matter (the first
     of two definitions, the condition that an effect contradicts). `hint` is a complete
-    sentence, often "did you mean ...?".
+    sentence, often "did you mean ...?". `fix` is there if the hint comes down to one edit.
     """
 
     code: str
@@ -43,3 +51,4 @@ class Diagnostic:
     secondary: tuple[Label, ...] = ()
     hint: str | None = None
     severity: Severity = Severity.ERROR
+    fix: Fix | None = None

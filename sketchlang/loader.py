@@ -180,7 +180,7 @@ def _included(item: tree.Include, source: Source) -> Source:
         return load_builtin(item.target)
     base = Path() if source.name == "<stdin>" else Path(source.name).parent
     path = base / item.target
-    if path.suffix != SUFFIX:
+    if path.suffix != SUFFIX or Path(os.path.realpath(path)).suffix != SUFFIX:
         # An excerpt of what is wrong in it would show any file to whoever sees the findings.
         raise InputError(f"only files ending in {SUFFIX} are included", place=path.as_posix())
     inside = source.name != "<stdin>" and not os.path.exists(source.name)

@@ -6,6 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from sketchlang.check.choices import foreign_function, offered, signature
 from sketchlang.check.declarations import Declarations, Placed
 from sketchlang.check.report import Report
 from sketchlang.check.typed import Node, Store
@@ -34,6 +35,11 @@ class Scope:
     source: Source
     names: Mapping[str, Binding] = field(default_factory=dict)
     level: int = 0
+    wants_set: bool = False
+
+    def for_set(self) -> Scope:
+        """The same scope where an expression for a set is expected."""
+        return Scope(self.source, self.names, self.level, True)
 
     def label(self, span: Span, text: str = "") -> Label:
         """A place in the file of this scope."""
@@ -119,19 +125,24 @@ class Calls(ABC):
             if self._takes_nothing(expr, f"variable `{name}`", scope):
                 return binding.node
             return self.unknown(place)
-        if name in self.declarations.features:
-            return self._feature(expr, scope)
-        if name in self.declarations.defines:
-            return self._define(expr, scope)
         function = self.functions.get(name)
+        # A declaration of the same name is an error by itself; what is meant here shows.
+        meant = function is not None and len(function.parameters) == len(expr.arguments)
+        if name in self.declarations.features and not meant:
+            return self._feature(expr, scope)
+        if name in self.declarations.defines and not meant:
+            return self._define(expr, scope)
         if function is not None:
             wanted = function.parameters
             arguments = self._arguments(expr, wanted, None, f"`{name}`", scope)
             if arguments is None:
                 return self.store.node("unknown", function.result, place)
             return self.store.call(function, arguments, place)
+        # What stands in a call of another language's is not written for this one.
+        self.report.muted += foreign_function(name) is not None
         for argument in expr.arguments:
             self.node(argument, scope)
+        self.report.muted -= foreign_function(name) is not None
         self._undefined(expr.name, scope)
         return self.unknown(place)
 
@@ -144,13 +155,15 @@ class Calls(ABC):
         if declarations.use is not None and self.domain is None:
             return
         known = {*scope.names, *declarations.features, *declarations.defines, *self.functions}
-        hint = did_you_mean(text, known)
+        hint = foreign_function(text) or did_you_mean(text, known)
         if hint is None and text in FOREIGN:
             hint = f"Did you mean `{FOREIGN[text]}`?"
         if hint is None and self.domain is None:
             hint = "The sketch names no domain: `use DOMAIN` brings in its functions."
         if text in self.domain_sorts():
             hint = f"`{text}` is a sort: quantify over a set of them."
+        if hint is None and self.domain is not None:
+            hint = offered(self.domain.name, self.functions, scope.wants_set)
         where = f" in domain {self.domain.name}" if self.domain is not None else ""
         message = f"`{text}` is neither declared here nor a function{where}"
         self.report.add("undefined-name", message, scope.label(name.span), hint=hint)
@@ -213,7 +226,7 @@ class Calls(ABC):
                 f"{what} {takes}{len(given) or 'none'} given",
                 scope.label(expr.span),
                 *origin,
-                hint=None if declared else f"It is `{self.functions[expr.name.text]}`.",
+                hint=None if declared else signature(expr.name.text, self.functions, given),
             )
             return None
         fits = True
@@ -224,6 +237,7 @@ class Calls(ABC):
                     f"argument {number} of {what} must be of type {type_}, this is {a(node.type)}",
                     scope.label(expr.arguments[number - 1].span),
                     *origin,
+                    hint=_one_of(node, type_, expr.name.text, len(wanted)),
                 )
                 fits = False
         return tuple(given) if fits else None
@@ -264,6 +278,14 @@ class Calls(ABC):
             self.report.muted -= 1
             self.bodies[key] = found
         return found
+
+
+def _one_of(given: Node, wanted: Type, name: str, arguments: int) -> str | None:
+    """What to write where a set is given for one of its elements."""
+    if not given.type.is_set or given.type.element != wanted or wanted.is_set:
+        return None
+    call = f"{name}(x)" if arguments == 1 else f"{name}(...)"
+    return f"Quantify over it: `some x in {given.text}: {call}`."
 
 
 def _with_text(label: Label, text: str) -> Label:

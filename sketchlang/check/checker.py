@@ -16,7 +16,7 @@ from sketchlang.check.rules import RuleReader
 from sketchlang.check.typed import Node
 from sketchlang.diagnostics import Diagnostic, Label
 from sketchlang.domain import Domain, DomainError, Function
-from sketchlang.model import Feature, Invariant, Kind, Rule, SketchModel
+from sketchlang.model import Feature, Invariant, Kind, Not, Rule, SketchModel
 from sketchlang.source import Source, Span
 from sketchlang.suggest import did_you_mean
 from sketchlang.syntax import tree
@@ -91,7 +91,9 @@ class _Checker:
                 label = placed.label(placed.item.span)
                 message = f"`{placed.item.name.text}` is a Boolean: it is bounded anyway"
                 self.report.add("bounded-boolean", message, label, hint="Remove `bounded`.")
-        reader = RuleReader(features, self.index, declarations, self.report)
+        reader = RuleReader(
+            features, self.index, declarations, self.report, frozenset(self.functions)
+        )
         rules = tuple(reader.rule(placed) for placed in declarations.rules.values())
         goal = self._goal(reader)
         invariants = self._invariants()
@@ -169,6 +171,13 @@ class _Checker:
                     hint="Write `goal { CONDITIONS }`.",
                 )
             return None
+        if not placed.item.block.literals:
+            self.report.add(
+                "empty-goal",
+                "without a condition every state is a goal state, and nothing is left to do",
+                placed.label(placed.item.block.span),
+                hint="Write `goal { CONDITIONS }`, for example `goal { n = 0 }`.",
+            )
         return reader.conditions(placed.item.block, placed.source)[0]
 
     def _invariants(self) -> tuple[Invariant, ...]:
@@ -185,6 +194,10 @@ class _Checker:
                 label = placed.label(placed.item.formula.span)
                 self.report.add("impossible-invariant", "this can never hold", label)
                 continue
+            if not satisfiable(Not(made.formula), {}):
+                label = placed.label(placed.item.formula.span)
+                message = "this holds whatever the values are, so it says nothing"
+                self.report.add("idle-invariant", message, label, hint="Remove it.")
             found.append(made)
         return tuple(found)
 
@@ -202,9 +215,10 @@ class _Checker:
                 names[name.text] = label
                 if self.domain is not None and name.text not in self.domain.atoms:
                     families = ", ".join(f"`{family}`" for family in self.domain.atoms)
-                    hint = did_you_mean(name.text, self.domain.atoms) or (
-                        f"Families of this domain: {families}." if families else None
-                    )
+                    listed = f"Families of this domain: {families}." if families else None
+                    hint = did_you_mean(name.text, self.domain.atoms) or listed
+                    if name.text in self.functions:
+                        hint = f"`{name.text}` is a function. {listed or ''}".strip()
                     message = f"domain {self.domain.name} has no atoms `{name.text}`"
                     self.report.add("unknown-atoms", message, label, hint=hint)
         return tuple(names)
@@ -246,7 +260,7 @@ class _Checker:
         if declarations.broken_items or declarations.incomplete or self.is_part:
             return
         for name, placed in declarations.features.items():
-            if declarations.rules and name not in used:
+            if declarations.rules and name not in used and name not in self.functions:
                 self.report.add(
                     "unused-feature",
                     f"feature `{name}` is named nowhere, so no subgoal may change it",

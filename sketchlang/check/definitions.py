@@ -16,12 +16,14 @@ from sketchlang.types import BOOL, NAT, UNKNOWN
 def definition_order(declarations: Declarations, typer: Typer) -> list[str]:
     """Features and definitions with the used before their users; circles are errors."""
     uses: dict[str, list[str]] = {}
+    # A declaration that hides a function is an error by itself.
+    functions = frozenset(typer.functions)
     for name, feature in declarations.features.items():
         body = feature.item.definition
-        uses[name] = list(names_in(body, frozenset())) if body is not None else []
+        uses[name] = list(names_in(body, functions)) if body is not None else []
     for name, define in declarations.defines.items():
         bound = frozenset(parameter.name.text for parameter in define.item.parameters)
-        uses[name] = list(names_in(define.item.body, bound))
+        uses[name] = list(names_in(define.item.body, functions | bound))
     ordered, circles = order(uses)
     for circle in circles:
         typer.circular.update(circle)

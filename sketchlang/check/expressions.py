@@ -89,6 +89,7 @@ class Typer(Calls):
                     place,
                     *self.origin(expr.left),
                     *self.origin(expr.right),
+                    hint=_truth_of(expr, left, right),
                 )
                 return self.unknown(place)
             equal = self.store.node("=", BOOL, place, (left, right))
@@ -163,7 +164,7 @@ class Typer(Calls):
     def _quantifier(self, expr: tree.Quantifier, scope: Scope) -> Node:
         place = scope.label(expr.span)
         name = expr.variable
-        over = self.node(expr.domain, scope)
+        over = self.node(expr.domain, scope.for_set())
         if over.type.is_set:
             element = over.type.element
         else:
@@ -205,6 +206,17 @@ class Typer(Calls):
         if over.type == UNKNOWN or not over.type.is_set:
             return self.store.node("unknown", _RESULT[expr.kind], place)
         return self.store.node(expr.kind, _RESULT[expr.kind], place, tuple(parts), scope.level)
+
+
+def _truth_of(expr: tree.Comparison, left: Node, right: Node) -> str | None:
+    """What to write for `held(x) = 1`."""
+    for truth, node, other in ((left, right, expr.right), (right, left, expr.left)):
+        if truth.type == BOOL and isinstance(other, tree.Number) and other.value in (0, 1):
+            positive = (other.value == 1) == (expr.sign == "=")
+            return f"Write `{'' if positive else 'not '}{truth.text}`."
+        if truth.type == BOOL and node.type == NAT:
+            return "Compare numbers with numbers, as in `... > 0`, and Booleans with Booleans."
+    return None
 
 
 def _conversion(given: Type, wanted: Type) -> str | None:

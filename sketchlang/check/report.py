@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass, field
 
-from sketchlang.diagnostics import Diagnostic, Label, Severity
+from sketchlang.diagnostics import Diagnostic, Fix, Label, Severity
 
 WARNINGS = frozenset(
     {
         "always-false",
         "always-true",
         "copied-rule",
+        "empty-goal",
         "goal-against-invariant",
         "goal-rule",
+        "idle-invariant",
         "no-goal",
         "no-rules",
         "no-title",
@@ -25,6 +28,7 @@ WARNINGS = frozenset(
         "satisfied-at-once",
         "shadowing",
         "subsumed-rule",
+        "too-many-warnings",
         "unused-define",
         "unused-feature",
         "unused-parameter",
@@ -34,7 +38,7 @@ WARNINGS = frozenset(
 """Codes of findings that do not keep a sketch from being used."""
 
 MAX_FINDINGS = 200
-"""So many findings are told of a file."""
+"""Errors and warnings of a file that are listed, of each."""
 
 
 @dataclass
@@ -43,6 +47,7 @@ class Report:
 
     diagnostics: list[Diagnostic] = field(default_factory=list)
     muted: int = 0
+    counts: Counter[Severity] = field(default_factory=Counter)
 
     def add(
         self,
@@ -51,13 +56,17 @@ class Report:
         primary: Label,
         *secondary: Label,
         hint: str | None = None,
+        fix: Fix | None = None,
     ) -> None:
         """Note a finding, unless the report is muted."""
-        if self.muted or len(self.diagnostics) > MAX_FINDINGS:
-            return
-        if len(self.diagnostics) == MAX_FINDINGS:
-            message = f"more than {MAX_FINDINGS} findings: further ones are left out"
-            self.diagnostics.append(Diagnostic("too-many-errors", message, primary))
+        if self.muted:
             return
         severity = Severity.WARNING if code in WARNINGS else Severity.ERROR
-        self.diagnostics.append(Diagnostic(code, message, primary, secondary, hint, severity))
+        self.counts[severity] += 1
+        if self.counts[severity] <= MAX_FINDINGS:
+            found = Diagnostic(code, message, primary, secondary, hint, severity, fix)
+            self.diagnostics.append(found)
+        elif self.counts[severity] == MAX_FINDINGS + 1:
+            many = "too-many-warnings" if severity is Severity.WARNING else "too-many-errors"
+            message = f"more than {MAX_FINDINGS} {severity.value}s: further ones are left out"
+            self.diagnostics.append(Diagnostic(many, message, primary, severity=severity))

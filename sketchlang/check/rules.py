@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 
 from sketchlang.check.declarations import Declarations, Placed
@@ -34,6 +34,7 @@ class RuleReader:
     index: Mapping[str, int]
     declarations: Declarations
     report: Report
+    functions: Collection[str] = ()
     faulty: set[str] = field(default_factory=set)
     """Rules with literals that are left out because they are wrong."""
 
@@ -101,6 +102,11 @@ class RuleReader:
             hint = did_you_mean(name, self.index)
             if name in self.declarations.defines:
                 hint = f"`{name}` is a definition: make it a feature to use it in rules."
+            elif name in self.functions:
+                hint = f"`{name}` is a function: define a feature with it and name that here."
+            elif hint is None and self.index:
+                listed = ", ".join(f"`{feature}`" for feature in [*self.index][:8])
+                hint = f"Features: {listed}{', ...' if len(self.index) > 8 else '.'}"
             message = f"there is no feature `{name}`"
             self.report.add(
                 "undefined-feature", message, Label(source, literal.name.span), hint=hint

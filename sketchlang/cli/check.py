@@ -38,6 +38,8 @@ def further_warnings(loaded: Loaded) -> list[Diagnostic]:
 def _explained(unusable: Diagnostic, loaded: Loaded) -> bool:
     """Whether it was said already why a rule can never be used."""
     whole = unusable.primary
+    if any(one.code == "empty-goal" for one in loaded.diagnostics):
+        return True
     return any(
         one.code in ("goal-rule", "rule-against-invariant")
         and one.primary.source.name == whole.source.name

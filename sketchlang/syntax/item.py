@@ -31,6 +31,7 @@ class StuckError(Exception):
 
         super().__init__(number)
         self.number = number
+        self.first = tokens[0]
         at_end = number == len(tokens)
         self.token = Token.new_borrow_pos(END, "", tokens[-1]) if at_end else tokens[number]
         if at_end:

@@ -2,25 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
-from sketchlang.source import Span
-from sketchlang.suggest import did_you_mean
+from sketchlang.diagnostics import Fix
+from sketchlang.suggest import closest
 from sketchlang.syntax import examples, grammar
 from sketchlang.syntax.item import END, StuckError
-from sketchlang.syntax.lexer import ERROR, span
+from sketchlang.syntax.lexer import ERROR, UNCLOSED_STRING, span
+from sketchlang.syntax.mistake import Mistake
+from sketchlang.syntax.repair import ITEMS
 
 if TYPE_CHECKING:
     from lark import Token
-
-
-class Mistake(NamedTuple):
-    """Code, message, place and hint of one syntax error."""
-
-    code: str
-    message: str
-    span: Span
-    hint: str | None
 
 
 # Message and hint of every code of grammars/mistakes.txt; {found} is the offending token.
@@ -78,6 +71,9 @@ MESSAGES: dict[str, tuple[str, str | None]] = {
     ),
 }
 
+# Types of other languages with two values.
+_TRUTH = {"boolean", "flag", "truth", "logical", "predicate", "binary", "bit", "proposition"}
+
 # Words that people bring from other languages.
 FOREIGN = {
     "exists": "some",
@@ -91,18 +87,6 @@ FOREIGN = {
     "boolean": "bool",
 }
 
-ITEMS = (
-    "sketch",
-    "use",
-    "include",
-    "bounded",
-    "feature",
-    "define",
-    "invariant",
-    "atoms",
-    "goal",
-    "rule",
-)
 _WORDS = grammar.spellings() | {
     "NOT": "!",
     "NAME": "a name",
@@ -135,6 +119,12 @@ def explain(stuck: StuckError) -> Mistake:
     """The diagnostic for a token that cannot stand where it is."""
     token = stuck.token
     place = span(token)
+    if token.type == UNCLOSED_STRING:
+        return Mistake("unclosed-string", 'this text has no closing `"`', place, None)
+    if token.type == ERROR:
+        return unexpected(token)
+    if stuck.number == 0:
+        return unknown_item(token)
     if is_word(token) and "NAME" in stuck.expected and not stuck.expected & {"NUMBER"}:
         return Mistake(
             "keyword-as-name",
@@ -154,9 +144,11 @@ def explain(stuck: StuckError) -> Mistake:
         return Mistake("syntax-error", _expected(stuck), place, _foreign(stuck))
     message, hint = MESSAGES[code]
     found = describe(token)
-    if code == "unknown-type":
-        hint = did_you_mean(token, ("bool", "nat")) or hint
-    return Mistake(code, message.replace("{found}", found), place, hint)
+    fix = None
+    if code == "unknown-type" and token.type == "NAME":
+        meant = "bool" if token.lower() in _TRUTH else closest(token, ("bool", "nat")) or "nat"
+        hint, fix = f"Write `{meant}`.", Fix(place, meant)
+    return Mistake(code, message.replace("{found}", found), place, hint, fix)
 
 
 def _expected(stuck: StuckError) -> str:
@@ -183,26 +175,11 @@ def _expected(stuck: StuckError) -> str:
 
 
 def _foreign(stuck: StuckError) -> str | None:
-    """A word or sign of another language, at the place or just before it."""
-    arrow = _foreign_arrow(stuck)
-    if arrow is not None:
-        return arrow
+    """A word of another language, at the place or just before it."""
     for token in (stuck.token, stuck.previous):
         meant = FOREIGN.get(token) if token is not None else None
         if token is not None and meant:
             return f"Write `{meant}` for `{token}`."
-    return None
-
-
-def _foreign_arrow(stuck: StuckError) -> str | None:
-    """What to write for `=>` and `<->`, which are two signs here."""
-    before, token = stuck.previous, stuck.token
-    if before is None or before.end_pos != token.start_pos:
-        return None
-    if (before.type, token.type) == ("EQ", "GT"):
-        return "Write `->` for `=>`."
-    if (before.type, token.type) == ("LT", "_ARROW"):
-        return "Write an implication `->` for each direction."
     return None
 
 
@@ -211,3 +188,32 @@ def _bounded(stuck: StuckError) -> str | None:
     if stuck.token == "bounded" and stuck.number:
         return "Write `bounded` before `feature`, as in `bounded feature n : nat`."
     return None
+
+
+def unexpected(token: Token) -> Mistake:
+    """What to say of characters that no terminal of the grammar has."""
+    hint = "The signs of the language are `{ } ( ) , : = != < > <= >= + ! -> -- ++ ?`."
+    if token[0].isidentifier():
+        hint = "Names consist of the letters a to z and A to Z, digits and `_`."
+    message = f"{_printable(token)} means nothing here"
+    return Mistake("unexpected-character", message, span(token), hint)
+
+
+def _printable(token: Token) -> str:
+    if token.isprintable():
+        return describe(token)
+    if len(token) == 1:
+        return f"the character U+{ord(token):04X}"
+    return f"this run of {len(token)} characters"
+
+
+def unknown_item(token: Token) -> Mistake:
+    """What to say of a line that begins with no keyword."""
+    meant = closest(token, ITEMS)
+    hint = (
+        f"Did you mean `{meant}`?"
+        if meant
+        else ("An item begins with one of: " + ", ".join(f"`{word}`" for word in ITEMS) + ".")
+    )
+    fix = Fix(span(token), meant) if meant else None
+    return Mistake("unknown-item", f"{describe(token)} begins no item", span(token), hint, fix)

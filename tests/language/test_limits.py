@@ -269,3 +269,13 @@ def test_memory_and_time_of_the_command(content: str, tmp_path: Path) -> None:
     assert done.returncode in (1, 2)
     assert "Traceback" not in done.stderr
     assert float(done.stderr.split()[-1]) < 200
+
+
+def test_many_warnings_do_not_make_a_sketch_unusable() -> None:
+    lines = ["sketch s", "feature n : nat", "goal { n = 0 }", "rule r { n > 0 } -> { n-- }"]
+    lines += [f"feature x{number} : bool" for number in range(MAX_FINDINGS + 50)]
+    loaded = examine("\n".join(lines))
+    codes = [found.code for found in loaded.diagnostics]
+    assert loaded.ok
+    assert codes.count("unused-feature") == MAX_FINDINGS
+    assert codes.count("too-many-warnings") == 1

@@ -58,7 +58,7 @@ def test_a_missing_key_suggests_one_that_was_not_asked_for() -> None:
     table.text("name")
     with pytest.raises(InputError, match="'length' is missing") as caught:
         table.number("length")
-    assert caught.value.hint == "did you mean it by 'lenght'?"
+    assert caught.value.hint == "'lenght' looks like it: is it misspelt?"
 
 
 def test_tables_of_an_array_are_told_apart_by_name_or_number() -> None:

@@ -11,6 +11,7 @@ import sketchlang
 from sketchlang.check.report import WARNINGS
 from sketchlang.pages import FILES, pages
 from sketchlang.syntax.examples import mistakes
+from sketchlang.syntax.phrases import phrases
 from tests.spec import runner
 
 PACKAGE = Path(sketchlang.__file__).parent
@@ -18,7 +19,7 @@ SECTIONS = [
     section for name in FILES for section in runner.sections(PACKAGE / "pages" / f"{name}.md")
 ]
 # Their examples would have thousands of lines; tests/language/test_limits.py has them.
-WITHOUT_EXAMPLE = {"nested-too-deeply", "file-too-large", "too-many-errors"}
+WITHOUT_EXAMPLE = {"nested-too-deeply", "file-too-large", "too-many-errors", "too-many-warnings"}
 # Said by `run`, which needs more than a sketch.
 AT_RUN_TIME = {"no-domain", "feature-without-definition"}
 
@@ -42,6 +43,8 @@ def test_every_code_has_a_page() -> None:
     for path in PACKAGE.rglob("*.py"):
         if "cli" not in path.parts:
             used |= set(pattern.findall(path.read_text(encoding="utf-8")))
+    used |= {phrase.code for phrase in phrases()}
+    used |= {"file-too-large", "too-many-errors", "too-many-warnings"}
     used |= {"duplicate-feature", "duplicate-define", "copied-rule", "subsumed-rule"}
     assert used == set(pages())
     assert len(used) >= 40
