@@ -72,6 +72,31 @@ def replacing(path: Path, *, over_input: bool = False) -> Iterator[Path]:
         raise _unwritable(path, error) from None
 
 
+@contextmanager
+def new_folder(path: Path) -> Iterator[Path]:
+    """A name at which to make a folder, which gets its place when the block ends without an error.
+
+    It is the folder's own name in a temporary folder beside. Folders above that are missing
+    are made.
+
+    Raises:
+        InputError: there is something of this name, or the folder cannot be written.
+    """
+    try:
+        if os.path.lexists(path):
+            raise FileExistsError(errno.EEXIST, "exists already")
+        path.parent.mkdir(parents=True, exist_ok=True)
+        around = path.with_name(f".{path.stem[:50]}.{os.urandom(6).hex()}")
+        around.mkdir(0o700)
+        try:
+            yield around / path.name
+            os.rename(around / path.name, path)
+        finally:
+            _remove(around)
+    except OSError as error:
+        raise _unwritable(path, error) from None
+
+
 def refuse_input(path: Path, option: str | None = None) -> None:
     """Raises `InputError` if a file is one that the running command reads: by path, symbolic
     link or hard link."""
@@ -156,6 +181,12 @@ def _new_beside(target: Path) -> Path:
             continue
         return path
     raise FileExistsError(errno.EEXIST, "no temporary name is free")
+
+
+def _remove(folder: Path) -> None:
+    import shutil  # takes its time, and is needed here only
+
+    shutil.rmtree(folder, ignore_errors=True)
 
 
 def _sync(path: Path) -> None:

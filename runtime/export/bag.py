@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import os
 import sqlite3
 from collections.abc import Iterator
 from importlib.util import find_spec
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -18,6 +16,8 @@ from runtime.trace.kinematics import Tree, links_at, object_at
 from runtime.trace.model import WORLD, Trace
 from runtime.world.quaternions import pose_of
 from sketchlang.errors import InputError
+from sketchlang.escape import visible
+from sketchlang.files import new_folder
 
 RATE = 20.0
 """Messages a second on each topic."""
@@ -45,13 +45,10 @@ def write_bag(trace: Trace, path: Path) -> None:
     """
     check_bag(path)
     try:
-        with TemporaryDirectory(prefix=f".{path.name}.", dir=path.parent) as folder:
-            # The same name: the files in a bag are named after it.
-            _write(trace, Path(folder) / path.name)
-            os.rename(Path(folder) / path.name, path)
-    except (OSError, sqlite3.Error) as error:
-        message = f"cannot be written: {getattr(error, 'strerror', None) or error}"
-        raise InputError(message, place=str(path)) from None
+        with new_folder(path) as folder:
+            _write(trace, folder)
+    except sqlite3.Error as error:
+        raise InputError(f"cannot be written: {error}", place=str(path)) from None
 
 
 def _write(trace: Trace, path: Path) -> None:
@@ -111,7 +108,7 @@ def _messages(trace: Trace, types: Any, time: float) -> Iterator[tuple[str, Any]
             [
                 stamped(
                     header(stamp, WORLD),
-                    name,
+                    visible(name),
                     transform(vector(*map(float, pose[:3])), quaternion(*map(float, pose[3:]))),
                 )
                 for name, pose in frames.items()

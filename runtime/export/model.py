@@ -12,6 +12,7 @@ from runtime.show.colours import TABLE, WALL, Colour, of_links, of_object
 from runtime.trace.kinematics import Tree, links_at, object_at
 from runtime.trace.model import Trace, TraceRobot
 from runtime.world.poses import upright
+from sketchlang.escape import visible
 
 Y_UP = np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
 """glTF has y upwards, scenes have z."""
@@ -65,11 +66,11 @@ def glb(trace: Trace, time: float) -> bytes:
 
     scene = trimesh.Scene()
     for name, size, pose, colour in boxes(trace, time):
-        mesh = trimesh.creation.box(extents=size)
+        shown, mesh = visible(name), trimesh.creation.box(extents=size)
         material = trimesh.visual.material.PBRMaterial(
             baseColorFactor=[*colour, 1.0], metallicFactor=0.0, roughnessFactor=0.8
         )
         mesh.visual = trimesh.visual.TextureVisuals(material=material)
-        scene.add_geometry(mesh, node_name=name, geom_name=name, transform=Y_UP @ pose)
+        scene.add_geometry(mesh, node_name=shown, geom_name=shown, transform=Y_UP @ pose)
     data: bytes = scene.export(file_type="glb")
     return data

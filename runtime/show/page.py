@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import html
 import re
 from importlib import resources
 
 from runtime.trace.model import Trace
-from runtime.trace.write import dumps
+from runtime.trace.write import to_json
+from sketchlang.escape import all_visible, dumps, markup
 
 _PLACE = re.compile(r"@(TITLE|STYLE|TRACE|THREE|SCRIPT)@")
 
@@ -15,10 +15,10 @@ _PLACE = re.compile(r"@(TITLE|STYLE|TRACE|THREE|SCRIPT)@")
 def page(trace: Trace) -> str:
     """The HTML of a trace's replay."""
     parts = {
-        "TITLE": html.escape(f"{trace.scene.name} · {trace.sketch.name}"),
+        "TITLE": markup(f"{trace.scene.name} · {trace.sketch.name}"),
         "STYLE": _asset("replay.css"),
         # A `<` within JSON is always in a string: it must not end or open an element.
-        "TRACE": dumps(trace).replace("<", "\\u003c"),
+        "TRACE": dumps(all_visible(to_json(trace)), compact=True).replace("<", "\\u003c"),
         "THREE": _script(_asset("three.min.js")),
         "SCRIPT": _script(_asset("replay.js")),
     }

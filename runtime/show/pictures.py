@@ -20,7 +20,8 @@ from runtime.show.colours import FLOOR
 from runtime.trace.model import Trace
 from runtime.world.quaternions import pose_of
 from sketchlang.errors import InputError
-from sketchlang.files import replacing, write_bytes
+from sketchlang.escape import file_part
+from sketchlang.files import check_output, replacing, write_bytes
 
 Image = NDArray[np.uint8]
 """Rows of pixels, red, green, blue: (height, width, 3)."""
@@ -156,7 +157,7 @@ def moments(trace: Trace) -> Iterator[tuple[str, float]]:
     """Names and times of the pictures: the start, the end of each subgoal, the end."""
     yield "start", 0.0
     for number, subgoal in enumerate(trace.subgoals, 1):
-        yield f"subgoal-{number:02d}-{subgoal.rule}", subgoal.end
+        yield f"subgoal-{number:02d}-{file_part(subgoal.rule)}", subgoal.end
     yield "end", trace.duration
 
 
@@ -170,14 +171,16 @@ def write_pictures(trace: Trace, folder: Path) -> list[Path]:
         folder.mkdir(exist_ok=True)
     except OSError as error:
         raise InputError(f"cannot be made: {error.strerror}", place=str(folder)) from None
-    studio, paths = Studio(trace), []
+    times = {folder / f"{name}.png": time for name, time in moments(trace)}
+    for path in times:
+        check_output(path)
+    studio = Studio(trace)
     try:
-        for name, time in moments(trace):
-            paths.append(folder / f"{name}.png")
-            write_bytes(paths[-1], png(studio.picture(time)))
+        for path, time in times.items():
+            write_bytes(path, png(studio.picture(time)))
     finally:
         studio.close()
-    return paths
+    return list(times)
 
 
 def check_film(path: Path) -> None:

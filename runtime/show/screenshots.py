@@ -13,6 +13,7 @@ from pathlib import Path
 from benchmarks.execution import planned
 from runtime.show.browser import Browser
 from runtime.show.page import page
+from sketchlang.files import write_bytes, write_text
 
 SHOTS = (
     ("sorting", "sorting/4t-07", 0.30),
@@ -29,12 +30,12 @@ def take(folder: Path) -> list[Path]:
         for name, scene, share in SHOTS:
             trace = planned(scene, seed=0)
             file = Path(scratch) / f"{name}.html"
-            file.write_text(page(trace), encoding="utf-8")
+            write_text(file, page(trace))
             browser.open(file)
             browser.evaluate(f"replay.seek({share * trace.duration})")
             browser.wait("replay.fresh")
             paths.append(folder / f"replay-{name}.png")
-            paths[-1].write_bytes(browser.screenshot())
+            write_bytes(paths[-1], browser.screenshot())
     return paths
 
 

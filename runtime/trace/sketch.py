@@ -7,6 +7,8 @@ from sketchlang.errors import InputError
 from sketchlang.loader import Loaded, load_sketch
 from sketchlang.syntax import tree
 
+HINT = "name the sketch that the plan was made with: --sketch FILE"
+
 
 def load_trace_sketch(target: str) -> TraceSketch:
     """The sketch of a file or built-in name.
@@ -14,12 +16,12 @@ def load_trace_sketch(target: str) -> TraceSketch:
     Raises:
         InputError: it cannot be read, or has errors.
     """
+    if target == "-":  # standard input is for what a user asks for, not for what a file says
+        raise InputError("the sketch has no name", hint=HINT)
     try:
         loaded = load_sketch(target)
     except InputError as error:
-        raise InputError(
-            str(error), hint="name the sketch that the plan was made with: --sketch FILE"
-        ) from None
+        raise InputError(error.message, place=error.place, hint=HINT) from None
     if not loaded.ok:
         raise InputError(
             "the sketch has errors", place=target, hint=f"`sketchlang check {target}` lists them"

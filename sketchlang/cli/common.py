@@ -15,7 +15,7 @@ from sketchlang import files, reading
 from sketchlang.cli.last import INTERRUPTED
 from sketchlang.diagnostics import Label
 from sketchlang.errors import InputError
-from sketchlang.escape import shown_line
+from sketchlang.escape import shown_line, visible
 from sketchlang.loader import Loaded, load_sketch
 from sketchlang.model import Rule
 from sketchlang.source import Source, Span
@@ -197,6 +197,10 @@ class Places:
         source = self.source(rule)
         line, column = source.position((span or rule.span).start)
         return f"{source.name}:{line}:{column}"
+
+    def shown(self, rule: Rule, span: Span | None = None) -> str:
+        """The same for people."""
+        return visible(self.position(rule, span))
 
 
 def title(loaded: Loaded) -> Label:

@@ -7,6 +7,7 @@ import sys
 import click
 
 from sketchlang.cli.common import Places, domain_option, interruptible, load_valid
+from sketchlang.escape import dumps, shown_lines
 
 
 @click.command("coverage")
@@ -36,7 +37,7 @@ def command(*, file: str, overlaps: bool, as_json: bool, domain_file: str | None
     from sketchlang.analysis.cubes import TooManyCubesError
 
     model = loaded.checked.model
-    position = Places(loaded).position
+    places = Places(loaded)
     try:
         found = find_coverage(model)
         pairs = find_overlaps(model) if overlaps else None
@@ -44,10 +45,8 @@ def command(*, file: str, overlaps: bool, as_json: bool, domain_file: str | None
         click.echo(f"{model.name}: its valuations fall into too many groups to list.", err=True)
         sys.exit(1)
     if as_json:
-        import json
-
-        result = coverage_report.as_json(model, found, pairs, position)
-        click.echo(json.dumps(result, indent=2, ensure_ascii=False))
+        result = coverage_report.as_json(model, found, pairs, places.position)
+        click.echo(dumps(result, indent=2))
     else:
-        click.echo(coverage_report.as_text(model, found, pairs, position))
+        click.echo(shown_lines(coverage_report.as_text(model, found, pairs, places.shown)))
     sys.exit(1 if found.gaps or found.dead else 0)

@@ -8,7 +8,14 @@ from typing import TYPE_CHECKING, NoReturn
 
 import click
 
-from sketchlang.cli.common import check_outputs, fail, interruptible, load_named, load_valid
+from sketchlang.cli.common import (
+    check_outputs,
+    fail,
+    interruptible,
+    load_named,
+    load_valid,
+    say,
+)
 
 if TYPE_CHECKING:
     from runtime.physics.execute import Report
@@ -94,6 +101,7 @@ def command(
         from runtime.trace.write import write_trace
 
         planned = load_named(Path(file), scene, robot, sketch)
+        check_outputs((), {"--trace": trace})  # again: what a plan names was read now
         report, happened = execute(planned, gui)
         if trace is not None:
             write_trace(happened, trace)
@@ -104,9 +112,9 @@ def command(
         click.echo(json.dumps({"plan": file} | to_json(report, planned) | largest))
     else:
         for line in summary(report, file, planned.robot):
-            click.echo(line)
+            say(line)
         if trace is not None:
-            click.echo(f"trace written to {trace}")
+            say(f"trace written to {trace}")
     raise SystemExit(0 if report.success else 1)
 
 
@@ -186,6 +194,7 @@ def _closed(
             disturbance,
             gui,
         )
+        check_outputs((), {"--trace": trace})  # again: what a robot names was read now
         verdict, happened = loop.run()
         if trace is not None and happened is not None:
             write_trace(happened, trace)
@@ -210,8 +219,8 @@ def _closed(
         click.echo(json.dumps(report))
     else:
         for event in events:
-            click.echo(f"{event.time:8.1f} s  {event.kind:<12} {event.text}")
-        click.echo(
+            say(f"{event.time:8.1f} s  {event.kind:<12} {event.text}")
+        say(
             f"{'goal reached' if verdict.goal_reached else verdict.reason}: "
             f"{verdict.subplans} subplans, {verdict.broken_off} broken off, "
             f"{len(verdict.touches)} touches, {verdict.duration:.0f} s"
@@ -224,6 +233,6 @@ def _closed(
 def _tell_of_trace(path: Path, happened: Trace | None, as_json: bool) -> None:
     if happened is None:
         # Standard output belongs to the one object.
-        click.echo("nothing was done: no trace was written", err=as_json)
+        say("nothing was done: no trace was written", err=as_json)
     elif not as_json:
-        click.echo(f"trace written to {path}")
+        say(f"trace written to {path}")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import click
 
+from sketchlang.cli.common import say
 from sketchlang.pages import Page, pages
 from sketchlang.suggest import did_you_mean
 
@@ -24,13 +25,13 @@ def command(code: str | None) -> None:
     if code is None:
         width = max(map(len, known))
         for page in known.values():
-            click.echo(f"{page.code:{width}}  {page.severity:7}  {page.summary}")
+            say(f"{page.code:{width}}  {page.severity:7}  {page.summary}")
         return
     found = known.get(code.strip("[]"))
     if found is None:
         hint = did_you_mean(code, known)
-        click.echo(f"error: there is no diagnostic `{code}`", err=True)
-        click.echo(hint or "`sketchlang explain` lists all of them.", err=True)
+        say(f"error: there is no diagnostic `{code}`", err=True)
+        say(hint or "`sketchlang explain` lists all of them.", err=True)
         raise SystemExit(2)
     click.echo(text(found))
 

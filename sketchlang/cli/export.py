@@ -13,6 +13,7 @@ from sketchlang.cli.common import (
     fail,
     interruptible,
     load_named,
+    say,
     trace_options,
 )
 
@@ -70,6 +71,7 @@ def command(
 
             check_bag(bag)
         trace = load_named(file, scene, robot, sketch)
+        check_outputs((), outputs, folders=("--bag",))  # again: what a plan names was read now
         if glb is not None and at > trace.duration + ROUNDING:
             fail(f"--at: {at:g} s is after the end, {trace.duration:.2f} s")
         if trajectory is not None:
@@ -77,17 +79,17 @@ def command(
             from sketchlang.files import write_text
 
             write_text(trajectory, json.dumps(trajectories(trace), indent=1) + "\n")
-            click.echo(f"trajectories written to {trajectory}")
+            say(f"trajectories written to {trajectory}")
         if bag is not None:
             from runtime.export.bag import write_bag
 
             write_bag(trace, bag)
-            click.echo(f"bag written to {bag}")
+            say(f"bag written to {bag}")
         if glb is not None:
             from runtime.export.model import glb as model
             from sketchlang.files import write_bytes
 
             write_bytes(glb, model(trace, min(at, trace.duration)))
-            click.echo(f"model written to {glb}")
+            say(f"model written to {glb}")
     except InputError as error:
         fail(error)

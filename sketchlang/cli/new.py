@@ -10,6 +10,9 @@ from pathlib import Path
 
 import click
 
+from sketchlang.cli.common import fail, say
+from sketchlang.errors import InputError
+from sketchlang.files import new_folder, write_text
 from sketchlang.loader import domain_names
 from sketchlang.syntax.grammar import words
 
@@ -21,6 +24,9 @@ FILES = {
     "README.md": "readme.txt",
     "pyproject.toml": "pyproject.txt",
 }
+
+LONGEST = 100
+"""Characters of a domain's name: with more, names of files would be too long somewhere."""
 
 
 @click.group("new")
@@ -52,31 +58,30 @@ def domain(name: str, into: Path | None) -> None:
     """
     problem = _why_not(name)
     folder = into or Path(name)
-    if problem is None and folder.exists():
-        problem = f"{folder} exists already"
     if problem is not None:
-        click.echo(f"error: {problem}", err=True)
-        raise SystemExit(2)
+        fail(problem)
     try:
-        for target, template in FILES.items():
-            path = folder / target.format(name=name)
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(_filled(template, name), encoding="utf-8")
-    except OSError as error:
-        click.echo(f"error: {error}", err=True)
-        raise SystemExit(2) from None
-    click.echo(f"wrote {folder}/: " + ", ".join(f.format(name=name) for f in FILES))
-    click.echo("try:")
+        with new_folder(folder) as new:
+            for target, template in FILES.items():
+                path = new / target.format(name=name)
+                path.parent.mkdir(parents=True, exist_ok=True)
+                write_text(path, _filled(template, name))
+    except InputError as error:
+        fail(error)
+    say(f"wrote {folder}/: " + ", ".join(f.format(name=name) for f in FILES))
+    say("try:")
     files_ = f"{folder / name}.sketch --domain {folder / name}.py"
-    click.echo(f"  sketchlang check {files_}")
+    say(f"  sketchlang check {files_}")
     scene = folder / "scenes" / "small.toml"
-    click.echo(f"  sketchlang run {folder / name}.sketch {scene} --domain {folder / name}.py")
+    say(f"  sketchlang run {folder / name}.sketch {scene} --domain {folder / name}.py")
 
 
 def _why_not(name: str) -> str | None:
     """What is wrong with a name, or None."""
     if not re.fullmatch(r"[a-z][a-z0-9_]*", name):
         return f"{name!r} is no name for a domain: use small letters, digits and _"
+    if len(name) > LONGEST:
+        return f"{name[:20]}...: a name has at most {LONGEST} characters"
     if name in words() or keyword.iskeyword(name) or name == "sketchlang":
         return f"{name!r} is a reserved word"
     if name in sys.stdlib_module_names:

@@ -12,6 +12,7 @@ from sketchlang.cli.common import (
     fail,
     interruptible,
     load_named,
+    say,
     trace_options,
 )
 
@@ -75,25 +76,26 @@ def command(
 
             check_film(mp4)
         found = load_named(file, scene, robot, sketch)
+        check_outputs((), outputs, folders=("--png",))  # again: what a plan names was read now
         if trace is not None:
             from runtime.trace.write import write_trace
 
             write_trace(found, trace)
-            click.echo(f"trace written to {trace}")
+            say(f"trace written to {trace}")
         if html is not None:
             from runtime.show.page import page
             from sketchlang.files import write_text
 
             write_text(html, page(found))
-            click.echo(f"replay written to {html}")
+            say(f"replay written to {html}")
         if png is not None:
             from runtime.show.pictures import write_pictures
 
-            click.echo(f"{len(write_pictures(found, png))} pictures written to {png}")
+            say(f"{len(write_pictures(found, png))} pictures written to {png}")
         if mp4 is not None:
             from runtime.show.pictures import write_film
 
             write_film(found, mp4, speed)
-            click.echo(f"film written to {mp4}")
+            say(f"film written to {mp4}")
     except InputError as error:
         fail(error)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +15,7 @@ from sketchlang.cli.common import (
     fail,
     interruptible,
     load_valid,
+    say,
 )
 
 if TYPE_CHECKING:
@@ -112,12 +112,12 @@ def _run(
     task = open_task(loaded.checked, scene, seed, robot)
     check_outputs((), {"--out": out})  # again, for what a scene or a robot names was read now
     planner = planner or DEFAULT
-    say = Speaker(quiet=as_json)
-    say(f"{task.sketch.model.name} on {task.scene}, planner {planner}, seed {seed}")
+    progress = Speaker(quiet=as_json)
+    progress(f"{task.sketch.model.name} on {task.scene}, planner {planner}, seed {seed}")
     result = task.solve(
         Limits(timeout=timeout, k_max=k_max),
         planner,
-        progress=lambda subgoal, seconds: say(
+        progress=lambda subgoal, seconds: progress(
             f"{seconds:8.2f} s  {subgoal.rule:<14} {task.reporting.describe(subgoal.actions)}"
         ),
     )
@@ -126,11 +126,11 @@ def _run(
         result.plan.save(out)
     if not as_json:
         for line in summary(report):
-            click.echo(line)
+            say(line)
         if out is not None and result.solved:
-            click.echo(f"plan written to {out}")
+            say(f"plan written to {out}")
         elif out is not None and out.exists():
-            click.echo(f"{out} was there before and is left as it was")
+            say(f"{out} was there before and is left as it was")
     return report
 
 
@@ -142,4 +142,4 @@ class Speaker:
 
     def __call__(self, text: str) -> None:
         if not self.quiet:
-            print(text, file=sys.stderr, flush=True)
+            say(text, err=True)

@@ -17,7 +17,9 @@ from sketchlang.cli.common import (
     domain_option,
     interruptible,
     load_valid,
+    say,
 )
+from sketchlang.escape import dumps, shown_lines
 
 
 @click.command("terminate")
@@ -81,16 +83,12 @@ def command(
 
         write_text(certificate, as_text(certificate_of(model, verdict)))
     if as_json:
-        import json
-
         found = report.as_json(model, verdict, places.position)
         found |= {"time_s": round(seconds, 6), "version": __version__}
-        click.echo(json.dumps(found, indent=2, ensure_ascii=False))
+        click.echo(dumps(found, indent=2))
     else:
-        click.echo(report.as_text(model, verdict, places.position))
+        click.echo(shown_lines(report.as_text(model, verdict, places.shown)))
         if certificate is not None:
-            click.echo("")
-            click.echo(
-                f"Certificate written to {certificate}." if proved else "No certificate written."
-            )
+            say("")
+            say(f"Certificate written to {certificate}." if proved else "No certificate written.")
     sys.exit(0 if proved else 1)

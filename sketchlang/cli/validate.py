@@ -8,7 +8,7 @@ from pathlib import Path
 
 import click
 
-from sketchlang.cli.common import fail, interruptible
+from sketchlang.cli.common import fail, interruptible, say
 
 
 @click.command(
@@ -68,16 +68,16 @@ def command(plan: Path, scene: str | None, robot: str | None, as_json: bool) -> 
             )
         )
     elif certificate.valid:
-        click.echo(
+        say(
             f"{plan} is valid: {certificate.actions} actions on {document.scene}, "
             f"{certificate.samples} robot configurations free of collision, goal reached"
         )
     else:
-        click.echo(f"{plan} is not valid:")
+        say(f"{plan} is not valid:")
         for finding in certificate.findings:
             where = "plan" if finding.action is None else f"action {finding.action + 1}"
             if finding.action is not None:
                 action = document.actions[finding.action]
                 where += f" ({action.text})"
-            click.echo(f"  {where}: {finding.message}")
+            say(f"  {where}: {finding.message}")
     raise SystemExit(0 if certificate.valid else 1)

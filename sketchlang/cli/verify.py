@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import sys
 
 import click
 
-from sketchlang.cli.common import DEEP, domain_option, fail, interruptible, load_valid
+from sketchlang.cli.common import DEEP, domain_option, fail, interruptible, load_valid, say
 from sketchlang.errors import InputError
+from sketchlang.escape import dumps
 from sketchlang.model import SketchModel
 from sketchlang.reading import read_bytes
 
@@ -42,11 +42,11 @@ def command(*, certificate: str, file: str, as_json: bool, domain_file: str | No
     reason = _reason(data, model)
     if as_json:
         found = {"valid": reason is None, "sketch": model.name, "reason": reason}
-        click.echo(json.dumps(found, indent=2, ensure_ascii=False))
+        click.echo(dumps(found, indent=2))
     elif reason is None:
-        click.echo(f"{certificate} is valid: {model.name} terminates.")
+        say(f"{certificate} is valid: {model.name} terminates.")
     else:
-        click.echo(f"{certificate} is refused: {reason}.")
+        say(f"{certificate} is refused: {reason}.")
     sys.exit(0 if reason is None else 1)
 
 

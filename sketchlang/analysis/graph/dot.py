@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 
 from sketchlang.analysis.graph.drawing import Arrow, Box, Drawing, Look, colour
+from sketchlang.escape import visible
 
 _FILLS = {Look.PLAIN: "#ffffff", Look.GOAL: "#d9f2d9", Look.GAP: "#fde0d9"}
 
@@ -12,7 +13,7 @@ _FILLS = {Look.PLAIN: "#ffffff", Look.GOAL: "#d9f2d9", Look.GAP: "#fde0d9"}
 def write(drawing: Drawing) -> str:
     """The drawing as a `digraph`."""
     lines = [
-        f"digraph {json.dumps(drawing.title)} {{",
+        f"digraph {_text(drawing.title)} {{",
         "  rankdir=TB;",
         '  node [shape=box, style="rounded,filled", fontname="Helvetica", fontsize=11];',
         '  edge [fontname="Helvetica", fontsize=10];',
@@ -48,4 +49,4 @@ def _arrow(arrow: Arrow) -> str:
 
 
 def _text(*lines: str) -> str:
-    return json.dumps("\n".join(lines), ensure_ascii=False)
+    return json.dumps("\n".join(map(visible, lines)), ensure_ascii=False)

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import json
+
 from sketchlang.analysis.graph.drawing import Drawing, Look, colour
+from sketchlang.escape import visible
 
 _CLASSES = {Look.PLAIN: "plain", Look.GOAL: "goal", Look.GAP: "gap"}
 
@@ -38,11 +41,13 @@ def write(drawing: Drawing) -> str:
 
 
 def _quoted(text: str) -> str:
-    return '"' + text.replace('"', "'") + '"'
+    # YAML reads what stands between quotes as JSON does.
+    return json.dumps(visible(text), ensure_ascii=False)
 
 
 def _escaped(text: str) -> str:
     """Signs that Mermaid or HTML would take for their own."""
+    text = visible(text)
     for sign, code in (("&", "&amp;"), ('"', "&quot;"), ("<", "&lt;"), (">", "&gt;")):
         text = text.replace(sign, code)
     return text

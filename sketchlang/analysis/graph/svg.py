@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from html import escape
 
 from sketchlang.analysis.graph.drawing import Arrow, Box, Drawing, Look, TooLargeError, colour
 from sketchlang.analysis.graph.layout import Chain, Item, lay_out
+from sketchlang.escape import markup
 
 FONT = 12
 LINE = 15.0
@@ -58,7 +58,7 @@ def write(drawing: Drawing) -> str:
         '<rect width="100%" height="100%" fill="#ffffff"/>',
         *_markers(drawing.arrows),
         f'<text x="{MARGIN}" y="{MARGIN + FONT:.0f}" font-weight="bold">'
-        f"{escape(drawing.title)}</text>",
+        f"{markup(drawing.title)}</text>",
         f'<g transform="translate({left:.1f} {top:.1f})">',
     ]
     sides = _sides(layout.chains)
@@ -82,7 +82,7 @@ def write(drawing: Drawing) -> str:
         y = bottom + LINE * i
         parts.append(
             f'<text x="{MARGIN}" y="{y:.1f}" fill="{colour(step)}" font-weight="bold">'
-            f"{escape(line)}</text>"
+            f"{markup(line)}</text>"
         )
     parts.append("</svg>")
     return "\n".join(parts) + "\n"
@@ -147,7 +147,7 @@ def _path(arrow: Arrow, d: str) -> str:
     width = 2.6 if arrow.endless else 1.3
     return (
         f'<path d="{d}" fill="none" stroke="{tint}" stroke-width="{width}" '
-        f'marker-end="url(#head{tint[1:]})"><title>{escape(_label(arrow))}</title></path>'
+        f'marker-end="url(#head{tint[1:]})"><title>{markup(_label(arrow))}</title></path>'
     )
 
 
@@ -163,7 +163,7 @@ def _loop(
     if label:
         tint = colour(arrow.step, arrow.endless)
         parts.append(
-            f'<text x="{x + LOOP - 4:.1f}" y="{y + 4:.1f}" fill="{tint}">{escape(label)}</text>'
+            f'<text x="{x + LOOP - 4:.1f}" y="{y + 4:.1f}" fill="{tint}">{markup(label)}</text>'
         )
     return parts
 
@@ -175,7 +175,7 @@ def _text_on_line(arrow: Arrow, item: Item, label: str) -> list[str]:
         f'<rect x="{left:.1f}" y="{top:.1f}" width="{item.width:.1f}" '
         f'height="{item.height:.1f}" fill="#ffffff" fill-opacity="0.9"/>',
         f'<text x="{item.x:.1f}" y="{item.y + 4:.1f}" text-anchor="middle" fill="{tint}">'
-        f"{escape(label)}</text>",
+        f"{markup(label)}</text>",
     ]
 
 
@@ -191,6 +191,6 @@ def _box(box: Box, item: Item) -> list[str]:
         y = item.y - height / 2 + PADDING / 2 + LINE * (i + 0.75)
         weight = ' font-weight="bold"' if i == 0 and len(box.lines) > 1 else ""
         parts.append(
-            f'<text x="{item.x:.1f}" y="{y:.1f}" text-anchor="middle"{weight}>{escape(line)}</text>'
+            f'<text x="{item.x:.1f}" y="{y:.1f}" text-anchor="middle"{weight}>{markup(line)}</text>'
         )
     return parts

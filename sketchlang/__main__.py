@@ -1,0 +1,5 @@
+"""`python -m sketchlang` is the command line."""
+
+from sketchlang.cli import main
+
+main()
