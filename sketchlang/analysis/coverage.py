@@ -121,6 +121,18 @@ def find_coverage(model: SketchModel, most_work: int = MOST_WORK) -> Coverage:
     )
 
 
+def usable_rules(model: SketchModel) -> frozenset[int]:
+    """The rules that some valuation can use, which is no goal and no invariant excludes."""
+    work = Work(MOST_WORK)
+    sets = _Sets(model, work)
+    outside = sets.excluded + sets.goal
+    return frozenset(
+        index
+        for index, cubes in enumerate(sets.usable)
+        if not all(covered(cube, outside, work) for cube in cubes)
+    )
+
+
 def _size(cubes: Sequence[Cube], features: int) -> int:
     """How many valuations disjoint cubes have."""
     return sum(1 << (features - cube.known.bit_count()) for cube in cubes)

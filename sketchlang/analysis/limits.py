@@ -71,6 +71,21 @@ class Budget:
         """The same limits for an attempt that may take so many steps."""
         return replace(self, steps=steps)
 
+    def extended(self, seconds: float) -> Budget:
+        """The same limits, but with so many seconds from now on, if there is a limit of time."""
+        if self.seconds is None:
+            return self
+        return replace(self, seconds=seconds, started=time.perf_counter())
+
+    def within(self, seconds: float) -> Budget:
+        """The same limits, but with at most so many seconds from now on."""
+        left = self.left()
+        return replace(
+            self,
+            seconds=seconds if left is None else max(0.0, min(seconds, left)),
+            started=time.perf_counter(),
+        )
+
     def spend(self, steps: int) -> None:
         """Raises `WorkDoneError` when the steps of an attempt are used up."""
         if self.steps is not None:

@@ -6,7 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from sketchlang.analysis.bits import LOWERS, RAISES
-from sketchlang.analysis.limits import Budget
+from sketchlang.analysis.limits import Budget, LimitReachedError
+from sketchlang.analysis.loops import Loops, nested_loops
+from sketchlang.analysis.repair import Proposal, find_repairs
 from sketchlang.analysis.termination import NonTerminating, Terminating, decide_termination
 from sketchlang.analysis.words import effect, literal
 from sketchlang.model import Effect, Kind, SketchModel
@@ -14,6 +16,15 @@ from sketchlang.source import Span
 
 RECHECK_SECONDS = 0.5
 """Time to find out which of the remedies make the sketch terminate."""
+
+REPAIR_SECONDS = 0.7
+"""Time to look for a repair where none of the remedies does."""
+
+MOST_LISTED = 1000
+"""Steps of a cycle up to which all of them are listed; longer ones are told as loops."""
+
+FIRST = 40
+"""Steps of a longer cycle that are listed all the same."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,29 +72,59 @@ class Remedy:
 
 @dataclass(frozen=True, slots=True)
 class Refutation:
-    """`growing` are nats that rise every time around the cycle; all else comes back."""
+    """`growing` are nats that rise every time around the cycle; all else comes back.
 
+    Of more than `MOST_LISTED` steps only the first are in `steps`, `total` says how many there
+    are, and `loops` tells all of them (None if a limit of time came before that). `remedies`
+    are those that suffice; `repair` is the smallest one where there is none of them. `idle`
+    says that no rule on the cycle changes anything for good.
+    """
+
+    rules: tuple[int, ...]
     steps: tuple[CycleStep, ...]
+    total: int
+    loops: Loops | None
     last: tuple[int, ...]
     growing: tuple[int, ...]
     remedies: tuple[Remedy, ...]
+    repair: Proposal | None
+    idle: bool
 
 
-def refutation(model: SketchModel, verdict: NonTerminating) -> Refutation:
+def refutation(
+    model: SketchModel, verdict: NonTerminating, limits: Budget | None = None
+) -> Refutation:
     """The evidence of a negative verdict. Remedies come with the fewest changes first."""
+    limits = limits or Budget()
+    total = len(verdict.walk)
+    listed = total if total <= MOST_LISTED else FIRST
     values = verdict.run.values
     steps = tuple(
         CycleStep(before, move.rule, _changes(model, move.rule, before, after))
-        for move, before, after in zip(verdict.walk, values, values[1:], strict=False)
+        for move, before, after in zip(verdict.walk[:listed], values, values[1:], strict=False)
     )
-    used = sorted({step.rule for step in steps})
+    rules = tuple(dict.fromkeys(move.rule for move in verdict.walk))
+    used = sorted(rules)
     found = [*_by_counters(model, used), *_by_bounds(model, verdict.run.growing)]
     if not found:
         found = list(_by_booleans(model, used))
-    budget = Budget(RECHECK_SECONDS)
+    budget = limits.within(RECHECK_SECONDS)
     checked = [replace(remedy, suffices=_suffices(model, remedy, budget)) for remedy in found]
-    checked.sort(key=lambda r: (not r.suffices, len(r.edits) or 1))
-    return Refutation(steps, values[-1], verdict.run.growing, tuple(checked))
+    enough = sorted((r for r in checked if r.suffices), key=lambda r: len(r.edits) or 1)
+    repair = None
+    if not enough:
+        proposals = find_repairs(model, limits.within(REPAIR_SECONDS), 1).proposals
+        repair = proposals[0] if proposals else None
+    loops = _loops(verdict, limits) if total > MOST_LISTED else None
+    last, growing = values[-1], verdict.run.growing
+    return Refutation(rules, steps, total, loops, last, growing, tuple(enough), repair, not found)
+
+
+def _loops(verdict: NonTerminating, limits: Budget) -> Loops | None:
+    try:
+        return nested_loops([move.rule for move in verdict.walk], limits)
+    except LimitReachedError:
+        return None
 
 
 def _changes(

@@ -4,21 +4,30 @@ from __future__ import annotations
 
 from typing import Any
 
+from sketchlang.analysis.changes import as_words
+from sketchlang.analysis.limits import Budget
+from sketchlang.analysis.loops import Loops, Part
 from sketchlang.analysis.refutation import Change, Edit, Refutation, Remedy, refutation
 from sketchlang.analysis.termination import NonTerminating, endless_rules
 from sketchlang.analysis.words import Position, cube, effect, listed, rule_names
 from sketchlang.model import Kind, SketchModel
 
 MOST_STEPS = 40
-"""Steps of a cycle that are written out; JSON has them all."""
+"""Steps of a cycle that are written out; JSON has up to a thousand."""
+
+MOST_NAMED = 8
+"""Rules of a cycle up to which the first line names them."""
 
 
-def as_lines(model: SketchModel, verdict: NonTerminating, position: Position) -> list[str]:
+def as_lines(
+    model: SketchModel, verdict: NonTerminating, position: Position, limits: Budget | None = None
+) -> list[str]:
     """The counterexample for people."""
-    found = refutation(model, verdict)
-    used = list(dict.fromkeys(model.rules[step.rule].name for step in found.steps))
+    found = refutation(model, verdict, limits)
+    used = rule_names(model, found.rules)
+    subject = listed(used) if len(used) <= MOST_NAMED else f"{len(used)} of its rules"
     lines = [
-        f"{model.name} does not terminate: {listed(used)} can "
+        f"{model.name} does not terminate: {subject} can "
         f"{'go on' if len(used) > 1 else 'fire'} for ever.",
         "",
     ]
@@ -34,8 +43,11 @@ def as_lines(model: SketchModel, verdict: NonTerminating, position: Position) ->
             for number, step in enumerate(found.steps[:MOST_STEPS], start=1)
         ],
     )
-    if len(found.steps) > MOST_STEPS:
-        lines.append(f"... and {len(found.steps) - MOST_STEPS} more steps; --json lists them all.")
+    more = found.total - MOST_STEPS
+    if found.total > len(found.steps):
+        lines += [f"... and {more:,} more steps.", "", *_loops(model, found)]
+    elif more > 0:
+        lines.append(f"... and {more} more steps; --json lists them all.")
     lines.append("")
     if found.growing:
         names = listed([model.features[f].name for f in found.growing])
@@ -47,16 +59,33 @@ def as_lines(model: SketchModel, verdict: NonTerminating, position: Position) ->
         [*map(str, step.values), model.rules[step.rule].name] for step in found.steps[:MOST_STEPS]
     ]
     again = "and so on" if found.growing else "as at the start"
-    if len(found.steps) <= MOST_STEPS:
+    if more <= 0:
         rows.append([*map(str, found.last), again])
     lines += _table([feature.name for feature in model.features] + ["rule"], rows)
     endless = endless_rules(model) or frozenset()
-    others = endless - {step.rule for step in found.steps}
+    others = endless - set(found.rules)
     if others:
         names = listed(rule_names(model, sorted(others)))
         lines += ["", f"There are other such cycles, with {names}."]
     lines += ["", *_remedies(model, found, position)]
     return lines
+
+
+def _loops(model: SketchModel, found: Refutation) -> list[str]:
+    """A long cycle as loops within loops."""
+    if found.loops is None:
+        return [f"The cycle has {found.total:,} steps."]
+
+    def written(parts: tuple[Part, ...]) -> str:
+        names = (f"loop {p.number + 1}" if p.loop else model.rules[p.number].name for p in parts)
+        times = (f"{p.times:,} times " if p.times > 1 else "" for p in parts)
+        return ", ".join(t + name for t, name in zip(times, names, strict=True))
+
+    lines = [f"The cycle has {found.total:,} steps: {written(found.loops.cycle)}. In this,"]
+    return lines + [
+        f"  loop {number} ({steps:,} steps) is {written(parts)}"
+        for number, (steps, parts) in enumerate(found.loops.loops, start=1)
+    ]
 
 
 def _valuation(model: SketchModel, values: tuple[int, ...]) -> str:
@@ -75,24 +104,33 @@ def _change(model: SketchModel, change: Change) -> str:
 
 
 def _remedies(model: SketchModel, found: Refutation, position: Position) -> list[str]:
-    if not found.remedies:
-        return [
+    """What would help, all of it proved."""
+    if found.remedies:
+        lines = ["To break this cycle, do one of these:"]
+        for remedy in found.remedies:
+            if remedy.bound is not None:
+                lines.append(
+                    f"- {remedy.reason}: declare it bounded, if it is. Then the sketch terminates."
+                )
+                continue
+            lines.append(f"- {remedy.reason}. Then the sketch terminates.")
+            lines += [f"    {_edit(model, edit, position)}" for edit in remedy.edits]
+        return lines
+    lines = []
+    if found.idle:
+        lines = [
             "No rule on this cycle has to change anything for good: each needs an effect that "
             "lowers a nat or turns a Boolean, with nothing to undo it."
         ]
-    lines = ["To break this cycle, do one of these:"]
-    for remedy in found.remedies:
-        outcome = {
-            True: " Then the sketch terminates.",
-            False: " Other cycles remain then.",
-            None: "",
-        }[remedy.suffices]
-        if remedy.bound is not None:
-            lines.append(f"- {remedy.reason}: declare it bounded, if it is.{outcome}")
-            continue
-        lines.append(f"- {remedy.reason}.{outcome}")
-        lines += [f"    {_edit(model, edit, position)}" for edit in remedy.edits]
-    return lines
+    if found.repair is None:
+        return [*lines, "No small change was found after which it terminates."]
+    one = len(found.repair.changes) == 1
+    lines += [f"With {'this change' if one else 'these changes'} the sketch terminates:"]
+    for change in found.repair.changes:
+        rule = getattr(change, "rule", None)
+        place = "" if rule is None else f"{position(model.rules[rule], None)}: "
+        lines.append(f"- {place}{as_words(model, change)}")
+    return [*lines, "`sketchlang repair` looks for others."]
 
 
 def _edit(model: SketchModel, edit: Edit, position: Position) -> str:
@@ -115,10 +153,12 @@ def _table(header: list[str], rows: list[list[str]]) -> list[str]:
     ]
 
 
-def as_json(model: SketchModel, verdict: NonTerminating, position: Position) -> dict[str, Any]:
+def as_json(
+    model: SketchModel, verdict: NonTerminating, position: Position, limits: Budget | None = None
+) -> dict[str, Any]:
     """The keys `counterexample` and, unless there are too many features, `endless_rules`."""
     result: dict[str, Any] = {
-        "counterexample": _counterexample(model, refutation(model, verdict), position)
+        "counterexample": _counterexample(model, refutation(model, verdict, limits), position)
     }
     endless = endless_rules(model)
     if endless is not None:
@@ -129,7 +169,8 @@ def as_json(model: SketchModel, verdict: NonTerminating, position: Position) -> 
 def _counterexample(model: SketchModel, found: Refutation, position: Position) -> dict[str, Any]:
     names = [feature.name for feature in model.features]
     return {
-        "rules": list(dict.fromkeys(model.rules[step.rule].name for step in found.steps)),
+        "rules": rule_names(model, found.rules),
+        "steps": found.total,
         "cycle": [
             {
                 "values": dict(zip(names, step.values, strict=True)),
@@ -147,9 +188,29 @@ def _counterexample(model: SketchModel, found: Refutation, position: Position) -
             }
             for step in found.steps
         ],
+        "loops": None if found.loops is None else _loops_json(model, found.loops),
         "last": dict(zip(names, found.last, strict=True)),
         "growing": [names[f] for f in found.growing],
         "remedies": [_remedy(model, remedy, position) for remedy in found.remedies],
+        "repair": None
+        if found.repair is None
+        else [as_words(model, change) for change in found.repair.changes],
+    }
+
+
+def _loops_json(model: SketchModel, loops: Loops) -> dict[str, Any]:
+    def written(parts: tuple[Part, ...]) -> list[dict[str, Any]]:
+        return [
+            {
+                "loop" if p.loop else "rule": p.number if p.loop else model.rules[p.number].name,
+                "times": p.times,
+            }
+            for p in parts
+        ]
+
+    return {
+        "cycle": written(loops.cycle),
+        "loops": [{"steps": steps, "parts": written(parts)} for steps, parts in loops.loops],
     }
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from sketchlang.analysis.limits import Budget
 from sketchlang.analysis.termination import NonTerminating, Terminating, Undecided, Verdict
 from sketchlang.analysis.words import Position
 from sketchlang.model import SketchModel
@@ -22,8 +23,11 @@ METHODS = {
 """How the methods of `Terminating` are called in a sentence."""
 
 
-def as_text(model: SketchModel, verdict: Verdict, position: Position) -> str:
-    """The verdict and its evidence, lines broken for a terminal."""
+def as_text(
+    model: SketchModel, verdict: Verdict, position: Position, limits: Budget | None = None
+) -> str:
+    """The verdict and its evidence, lines broken for a terminal. `limits` hold for what is
+    looked for to write it."""
     match verdict:
         case Terminating():
             from sketchlang.analysis.argument import argument
@@ -33,7 +37,7 @@ def as_text(model: SketchModel, verdict: Verdict, position: Position) -> str:
         case NonTerminating():
             from sketchlang.analysis import refutation_report
 
-            lines = refutation_report.as_lines(model, verdict, position)
+            lines = refutation_report.as_lines(model, verdict, position, limits)
         case Undecided():
             lines = [
                 f"{model.name}: undecided, the {verdict.limit} was reached.",
@@ -42,7 +46,9 @@ def as_text(model: SketchModel, verdict: Verdict, position: Position) -> str:
     return "\n".join(part for line in lines for part in wrapped(line))
 
 
-def as_json(model: SketchModel, verdict: Verdict, position: Position) -> dict[str, Any]:
+def as_json(
+    model: SketchModel, verdict: Verdict, position: Position, limits: Budget | None = None
+) -> dict[str, Any]:
     """The verdict and its evidence; docs/termination.md lists the keys."""
     result: dict[str, Any] = {
         "verdict": "undecided",
@@ -64,7 +70,7 @@ def as_json(model: SketchModel, verdict: Verdict, position: Position) -> dict[st
             from sketchlang.analysis import refutation_report
 
             result["verdict"] = "non-terminating"
-            result |= refutation_report.as_json(model, verdict, position)
+            result |= refutation_report.as_json(model, verdict, position, limits)
         case Undecided():
             result["limit"] = {"kind": verdict.kind, "text": verdict.limit}
     return result

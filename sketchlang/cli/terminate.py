@@ -73,7 +73,8 @@ def command(
     model = loaded.checked.model
     sys.setrecursionlimit(DEEP)
     started = time.perf_counter()
-    verdict = decide_termination(model, Budget(time_limit, memory_limit))
+    budget = Budget(time_limit, memory_limit)
+    verdict = decide_termination(model, budget)
     seconds = time.perf_counter() - started
     places = Places(loaded)
     proved = isinstance(verdict, Terminating)
@@ -83,11 +84,11 @@ def command(
 
         write_text(certificate, as_text(certificate_of(model, verdict)))
     if as_json:
-        found = report.as_json(model, verdict, places.position)
+        found = report.as_json(model, verdict, places.position, budget)
         found |= {"time_s": round(seconds, 6), "version": __version__}
         click.echo(dumps(found, indent=2))
     else:
-        click.echo(shown_lines(report.as_text(model, verdict, places.shown)))
+        click.echo(shown_lines(report.as_text(model, verdict, places.shown, budget)))
         if certificate is not None:
             say("")
             say(f"Certificate written to {certificate}." if proved else "No certificate written.")

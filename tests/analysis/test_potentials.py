@@ -104,7 +104,7 @@ def random_proofs(seeds: range) -> None:
 
 
 def test_random_sketches_with_a_potential() -> None:
-    random_proofs(range(300))
+    random_proofs(range(120))
 
 
 @pytest.mark.slow
