@@ -54,7 +54,7 @@ def planned(scene_name: str, seed: int) -> Trace:
     )
     assert outcome.solved, f"{scene_name}, seed {seed}: {outcome.reason}"
     plan: Plan = document(world, compiled.model, outcome, "lazy-siiw-r", seed)
-    return trace_of_plan(plan, scene, robot, load_trace_sketch(SKETCH))
+    return trace_of_plan(plan, scene.world, robot, load_trace_sketch(SKETCH))
 
 
 def open_loop(scenes: Sequence[str] = SCENES, seeds: Sequence[int] = range(5)) -> None:

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from domains.tabletop.scene.generate import sorting_scene
 from runtime.bench.paper import SCENES
 from runtime.bench.runner import Job
 from runtime.search.planners import PLANNERS
@@ -22,8 +21,10 @@ def jobs_of(
     scenes: Sequence[str],
     timeout: float,
     out: Path,
+    sorting: Callable[[int, int], str],
 ) -> list[Job]:
-    """The jobs of a suite, narrowed to some planners or scenes where these are given.
+    """The jobs of a suite, narrowed to some planners or scenes where these are given;
+    `sorting` gives the text of a scene with so many objects, by a seed.
 
     Raises:
         InputError: there is no such planner or scene in the suite.
@@ -34,7 +35,7 @@ def jobs_of(
             raise InputError(f"there is no planner {planner!r}", hint=f"planners: {known}")
     if suite == "scaling":
         chosen = list(planners or ["lazy-siiw-r"])
-        known_scenes = _scaling_scenes(out.parent)
+        known_scenes = _scaling_scenes(out.parent, sorting)
         count = seeds or 3
     else:
         chosen = list(planners or PLANNERS)
@@ -51,11 +52,11 @@ def jobs_of(
     ]
 
 
-def _scaling_scenes(folder: Path) -> list[str]:
+def _scaling_scenes(folder: Path, sorting: Callable[[int, int], str]) -> list[str]:
     """Write the generated scenes beside the results, so that they can be looked at."""
     paths = []
     for size in SIZES:
         path = folder / f"sorting-{size}.toml"
-        write_text(path, sorting_scene(size, seed=size))
+        write_text(path, sorting(size, size))
         paths.append(str(path))
     return paths

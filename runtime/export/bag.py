@@ -97,7 +97,7 @@ def _messages(trace: Trace, types: Any, time: float) -> Iterator[tuple[str, Any]
     tree = Tree(trace.robot)
     links = links_at(trace, tree, time)
     frames = {trace.robot.urdf.root: pose_of(links[trace.robot.urdf.root])}
-    for index, thing in enumerate(trace.scene.objects):
+    for index, thing in enumerate(trace.world.movables):
         frames[thing.name] = pose_of(object_at(trace, links, index, time))
     vector, quaternion = types["geometry_msgs/msg/Vector3"], types["geometry_msgs/msg/Quaternion"]
     transform = types["geometry_msgs/msg/Transform"]

@@ -9,7 +9,7 @@ import numpy as np
 from runtime.robot.model import Floats
 from runtime.trace.model import Trace, TraceRobot
 from runtime.trace.track import Track
-from runtime.trace.write import rounded
+from runtime.trace.write_world import rounded
 
 NANO = 1_000_000_000
 

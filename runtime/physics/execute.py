@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from domains.tabletop.scene.model import Scene
 from runtime.judge.goals import unmet
-from runtime.physics.bodies import Materials
 from runtime.physics.follow import Follower, Slip, Touch
+from runtime.physics.materials import Materials
 from runtime.physics.recorder import Recorder
+from runtime.physics.settling import drop
 from runtime.physics.simulation import Physics
 from runtime.physics.tracking import Tracking
 from runtime.robot.model import Floats
@@ -40,8 +40,8 @@ LOOSE = 0.005
 
 @dataclass(frozen=True)
 class FinalPose:
-    """Where an object ended: `error` (m) and `turn` (rad) from the plan, `lean` (rad) from
-    upright."""
+    """Where an object ended: `error` (m), `turn` about the vertical and `lean` (rad), all from
+    the plan."""
 
     object: str
     error: float
@@ -84,7 +84,7 @@ def execute(
     Raises:
         InputError: PyBullet is not installed.
     """
-    physics = Physics(trace.scene, trace.robot, gui, materials)
+    physics = Physics(trace.world, trace.robot, gui, materials)
     try:
         recorder = Recorder(physics)
         follower = Follower(physics, recorder)
@@ -100,39 +100,45 @@ def execute(
 def _report(trace: Trace, physics: Physics, follower: Follower) -> Report:
     poses = [physics.object_pose(index) for index in range(len(physics.objects))]
     links = links_at(trace, Tree(trace.robot), trace.duration)
+    carried = {index for index in range(len(poses)) if trace.held_at(index, trace.duration)}
+    stand = {
+        index: object_at(trace, links, index, trace.duration)
+        for index in range(len(poses))
+        if index not in carried
+    }
+    sinks = [drop(trace.world, stand, i) if i in stand else 0.0 for i in range(len(poses))]
     finals = []
     for index, pose in enumerate(poses):
         planned = object_at(trace, links, index, trace.duration)
-        finals.append(_final(trace.scene, index, planned, pose))
+        finals.append(_final(trace.world.movables[index].name, planned, sinks[index], pose))
     slips = real_slips(follower.slips)
+    held = [] if physics.held is None else [trace.world.movables[physics.held].name]
     return Report(
         duration=physics.time,
         tracking=follower.tracking,
         slips=tuple(slips),
         touches=tuple(follower.touches),
         objects=tuple(finals),
-        unmet=tuple(lacking(trace.scene.world, poses)),
+        unmet=tuple(lacking(trace.world, poses, held)),
     )
 
 
-def _final(scene: Scene, index: int, planned: Floats, pose: Floats) -> FinalPose:
+def _final(name: str, planned: Floats, sink: float, pose: Floats) -> FinalPose:
+    """Where an object ended that was planned to be at a pose (4, 4), and sinks from there."""
     is_at = matrix(pose)
-    # Plans leave air between tables and objects, which physics does not.
-    surfaces = [s for s in scene.surfaces if s.contains(planned[0, 3], planned[1, 3], -NEAR)]
-    target = planned[:3, 3].copy()
-    if surfaces:
-        target[2] += surfaces[0].table.size[2] - surfaces[0].rest
+    target = planned[:3, 3] - [0.0, 0.0, sink]
     turn = is_at[:3, :3] @ planned[:3, :3].T
+    # How far from upright in the plan: things may lie or lean.
     return FinalPose(
-        scene.objects[index].name,
+        name,
         float(np.linalg.norm(pose[:3] - target)),
         abs(math.atan2(turn[1, 0], turn[0, 0])),
-        lean(is_at),
+        lean(turn),
     )
 
 
 def lean(pose: Floats) -> float:
-    """Radians between an object's axis and the vertical; `pose` (4, 4)."""
+    """Radians between the z axis of a pose (4, 4) and the vertical."""
     return math.acos(max(-1.0, min(1.0, float(pose[2, 2]))))
 
 
@@ -141,20 +147,12 @@ def real_slips(slips: Sequence[Slip]) -> list[Slip]:
     return [slip for slip in slips if slip.what != "carried" or slip.moved > LOOSE]
 
 
-def standing_on(scene: Scene, pose: Floats) -> int | None:
-    """The surface on which an object stands upright, by the pose (7,) of its bottom."""
-    if lean(matrix(pose)) > UPRIGHT:
-        return None
-    for index, surface in enumerate(scene.surfaces):
-        on_it = surface.contains(pose[0], pose[1], -0.001)
-        if on_it and abs(pose[2] - surface.table.size[2]) < 0.02:
-            return index
-    return None
-
-
-def lacking(world: World, poses: list[Floats]) -> list[str]:
-    """What the goals of a world lack with bodies at world poses (7,)."""
-    return unmet(world, {i: matrix(pose) for i, pose in enumerate(poses)}, rest=SETTLED)
+def lacking(world: World, poses: list[Floats], held: Collection[str] = ()) -> list[str]:
+    """What the goals of a world lack with bodies at world poses (7,), and some held."""
+    standing = {
+        i: matrix(pose) for i, pose in enumerate(poses) if world.movables[i].name not in held
+    }
+    return unmet(world, standing, held, rest=SETTLED)
 
 
 def to_json(report: Report, trace: Trace) -> dict[str, Any]:
@@ -162,7 +160,7 @@ def to_json(report: Report, trace: Trace) -> dict[str, Any]:
     names = ["base_x", "base_y", "base_heading", *trace.robot.joints]
     tracking = report.tracking
     return {
-        "scene": trace.scene.name,
+        "scene": trace.world.name,
         "seed": trace.seed,
         "success": report.success,
         "goal_reached": report.goal_reached,

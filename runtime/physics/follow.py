@@ -73,14 +73,14 @@ class Follower:
         self.tracking = Tracking()
         self.slips: list[Slip] = []
         self.touches: list[Touch] = []
-        self.names = [thing.name for thing in physics.scene.objects]
+        self.names = [thing.name for thing in physics.world.movables]
         self.grasp_fails: Callable[[], bool] = lambda: False
         """Asked when the fingers close; true where a disturbance keeps them open."""
         self.meanwhile: Callable[[], None] = lambda: None
         """Called every `CHECK` seconds, whatever the robot does: what others do."""
         self.lost: int | None = None
         """What the fingers should hold and do not, until somebody has dealt with it."""
-        self._target = np.concatenate([physics.scene.robot_start, physics.robot.home])
+        self._target = np.concatenate([physics.world.robot_start, physics.robot.home])
         self._opening = physics.robot.max_opening
         self._in_tool: Floats | None = None
         self._kept: float | None = None  # the opening of fingers that a disturbance stops
@@ -162,7 +162,7 @@ class Follower:
             self._slipped(held, "the grasp broke")
             self.lost = held
         count = round(physics.time / STEP)
-        if self._letting is not None and not physics.touching_fingers(self._letting):
+        if self._letting is not None and not physics.touching_sides(self._letting):
             self._letting = None
         if count % 4 == 0:
             self.tracking.add(physics.robot_state()[0] - target)

@@ -9,7 +9,6 @@ object, and breaks where it would have to hold more than the fingers' friction c
 from __future__ import annotations
 
 import ctypes
-import math
 import os
 import sys
 import tempfile
@@ -22,11 +21,15 @@ from typing import Any
 
 import numpy as np
 
-from domains.tabletop.scene.model import Scene
-from runtime.physics.bodies import BASE_JOINTS, OBJECT_DENSITY, Materials, robot_urdf
+from runtime.physics.materials import Materials
+from runtime.physics.urdf import BASE_JOINTS, body_urdf, robot_urdf
 from runtime.robot.model import Floats
 from runtime.trace.model import TraceRobot
-from runtime.world.quaternions import matrix
+from runtime.world.body import Body, Part
+from runtime.world.poses import Pose, upright
+from runtime.world.quaternions import matrix, pose_of
+from runtime.world.solids import Box
+from runtime.world.world import World
 from sketchlang.errors import InputError
 
 STEP = 1 / 240
@@ -55,12 +58,12 @@ class Physics:
 
     def __init__(
         self,
-        scene: Scene,
+        world: World,
         robot: TraceRobot,
         gui: bool = False,
         materials: Materials | None = None,
     ) -> None:
-        self.scene, self.robot = scene, robot
+        self.world, self.robot = world, robot
         self.materials = materials or Materials()
         self.bullet = connect(gui)
         self.watched = gui
@@ -75,13 +78,13 @@ class Physics:
         b.setPhysicsEngineParameter(numSolverIterations=60, enableFileCaching=0)
         self.floor = b.createMultiBody(0, b.createCollisionShape(b.GEOM_PLANE))
         self.statics = {
-            self._box(o.box.size, o.box.centre, o.box.yaw, 0.0): o.name for o in scene.obstacles
+            self._body(thing.body, thing.pose, True): thing.name for thing in world.fixed
         }
         self.body = self._load_robot()
-        self.objects = [self._object(index) for index in range(len(scene.objects))]
+        self.objects = [self._object(index) for index in range(len(world.movables))]
         self.names = {self.floor: "floor", **self.statics}
         self.names |= {
-            body: thing.name for body, thing in zip(self.objects, scene.objects, strict=True)
+            body: thing.name for body, thing in zip(self.objects, world.movables, strict=True)
         }
 
     def close(self) -> None:
@@ -91,25 +94,31 @@ class Physics:
 
     # -- what there is -------------------------------------------------------------------------
 
-    def _box(self, size: tuple[float, float, float], centre: Any, yaw: float, mass: float) -> int:
-        b = self.bullet
-        shape = b.createCollisionShape(b.GEOM_BOX, halfExtents=[s / 2 for s in size])
-        turn = [0, 0, math.sin(yaw / 2), math.cos(yaw / 2)]
-        body: int = b.createMultiBody(mass, shape, -1, list(centre), turn)
-        b.changeDynamics(body, -1, lateralFriction=self.materials.friction, restitution=0.0)
-        return body
+    def _body(self, body: Body, pose: Pose, fixed: bool) -> int:
+        b, place = self.bullet, pose_of(pose)
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "body.urdf"
+            path.write_text(body_urdf(body, fixed, Path(folder)), encoding="utf-8")
+            with quiet():
+                number: int = b.loadURDF(
+                    str(path), useFixedBase=fixed, flags=b.URDF_USE_INERTIA_FROM_FILE
+                )
+        # It is asked for and set where the centre of mass is, which is not the body's origin.
+        centre = (matrix(place) @ [*body.centre, 1.0])[:3]
+        b.resetBasePositionAndOrientation(number, centre.tolist(), place[3:].tolist())
+        b.changeDynamics(number, -1, lateralFriction=self.materials.friction, restitution=0.0)
+        return number
 
     def add_obstacle(self, name: str, size: tuple[float, float, float], x: float, y: float) -> None:
         """Something that stands on the floor and never moves."""
-        body = self._box(size, (x, y, size[2] / 2), 0.0, 0.0)
+        half = size[2] / 2
+        box = Body((Part(Box(size), upright(0.0, 0.0, half, 0.0)),), 0.0, (0.0, 0.0, half))
+        body = self._body(box, upright(x, y, 0.0, 0.0), True)
         self.statics[body] = self.names[body] = name
 
     def _object(self, index: int) -> int:
-        thing = self.scene.objects[index]
-        x, y, yaw = thing.start
-        box = self.scene.object_box(index, x, y, yaw, thing.surface)
-        mass = float(np.prod(thing.size)) * OBJECT_DENSITY
-        body = self._box(thing.size, box.centre, yaw, mass)
+        thing = self.world.movables[index]
+        body = self._body(thing.body, thing.pose, False)
         b, materials = self.bullet, self.materials
         b.changeDynamics(
             body,
@@ -123,7 +132,7 @@ class Physics:
         b, robot = self.bullet, self.robot
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "robot.urdf"
-            path.write_text(robot_urdf(robot), encoding="utf-8")
+            path.write_text(robot_urdf(robot, Path(folder)), encoding="utf-8")
             with quiet():
                 body: int = b.loadURDF(
                     str(path), useFixedBase=True, flags=b.URDF_USE_INERTIA_FROM_FILE
@@ -147,8 +156,7 @@ class Physics:
         self._links = {name: index for index, name in self.link_names.items()}
         self.tool = self._links[robot.tool]
         self._gripper = {self._links[name] for name in robot.gripper_links}
-        self._finger_links = set(self._fingers)
-        start = np.concatenate([self.scene.robot_start, robot.home])
+        start = np.concatenate([self.world.robot_start, robot.home])
         for index, value in zip(self._motors, start, strict=True):
             b.resetJointState(body, index, float(value))
         open_ = robot.finger_values(np.array(robot.max_opening)).tolist()
@@ -201,14 +209,20 @@ class Physics:
 
     # -- grasps --------------------------------------------------------------------------------
 
-    def touching_fingers(self, index: int) -> int:
-        """How many fingers touch an object."""
+    def touching_sides(self, index: int) -> int:
+        """On how many sides the gripper touches an object: both, where it is between fingers."""
         contacts = self.bullet.getContactPoints(self.body, self.objects[index])
-        return len({c[3] for c in contacts if c[3] in self._finger_links and c[8] < 1e-3})
+        to_tool = np.linalg.inv(self.tool_matrix())
+        sides = {
+            float((to_tool @ [*c[5], 1.0])[1]) > 0
+            for c in contacts
+            if c[3] in self._gripper and c[8] < 1e-3
+        }
+        return len(sides)
 
     def grasp(self, index: int) -> bool:
         """Fix an object to the gripper as it is; False where the fingers do not hold it."""
-        if self.touching_fingers(index) < len(self._fingers):
+        if self.touching_sides(index) < 2:
             return False
         b = self.bullet
         position, turn = b.getBasePositionAndOrientation(self.objects[index])
@@ -276,10 +290,10 @@ class Physics:
         return self.robot.opening_of([state[0] for state in states])
 
     def object_pose(self, index: int) -> Floats:
-        """World pose (7,) of the middle of an object's bottom."""
+        """World pose (7,) of an object's frame."""
         position, turn = self.bullet.getBasePositionAndOrientation(self.objects[index])
         pose = np.array([*position, *turn])
-        pose[:3] -= matrix(pose)[:3, 2] * self.scene.objects[index].size[2] / 2
+        pose[:3] -= matrix(pose)[:3, :3] @ np.array(self.world.movables[index].body.centre)
         return pose
 
     def tool_matrix(self) -> Floats:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from domains.tabletop.scene.model import SceneObject
 from runtime.trace.model import TraceRobot
+from runtime.world.world import Movable
 
 Colour = tuple[float, float, float]
 
@@ -19,9 +19,9 @@ OBJECTS: dict[str, Colour] = {
 }
 
 
-def of_object(thing: SceneObject) -> Colour:
+def of_object(thing: Movable) -> Colour:
     """The colour of an object."""
-    if thing.letter is not None:
+    if thing.label is not None:
         return (0.95, 0.83, 0.61)
     return OBJECTS.get(thing.colour or "", (0.69, 0.49, 0.78))
 
@@ -35,7 +35,7 @@ def of_links(robot: TraceRobot) -> dict[str, Colour]:
         joint = robot.urdf.joints.get(link)
         return 0 if joint is None else depth(joint.parent) + (joint.name in moving)
 
-    for link in robot.urdf.boxes:
+    for link in robot.urdf.shapes:
         level = depth(link)
         found[link] = (0.96, 0.96, 0.96) if level % 2 else (0.89, 0.53, 0.24)
         if level == 0:

@@ -15,7 +15,7 @@ _PLACE = re.compile(r"@(TITLE|STYLE|TRACE|THREE|SCRIPT)@")
 def page(trace: Trace) -> str:
     """The HTML of a trace's replay."""
     parts = {
-        "TITLE": markup(f"{trace.scene.name} · {trace.sketch.name}"),
+        "TITLE": markup(f"{trace.world.name} · {trace.sketch.name}"),
         "STYLE": _asset("replay.css"),
         # A `<` within JSON is always in a string: it must not end or open an element.
         "TRACE": dumps(all_visible(to_json(trace)), compact=True).replace("<", "\\u003c"),

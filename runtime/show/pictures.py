@@ -13,12 +13,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from runtime.export.model import boxes
 from runtime.physics.simulation import connect
 from runtime.robot.model import Floats
 from runtime.show.colours import FLOOR
+from runtime.show.drawn import Drawn, drawn
+from runtime.show.meshes import triangles
 from runtime.trace.model import Trace
 from runtime.world.quaternions import pose_of
+from runtime.world.solids import Box
 from sketchlang.errors import InputError
 from sketchlang.escape import file_part
 from sketchlang.files import check_output, replacing, write_bytes
@@ -73,31 +75,43 @@ class Studio:
                 continue
             shade = 1.0 if (i + j) % 2 else 0.97
             colour = (FLOOR[0] * shade, FLOOR[1] * shade, FLOOR[2] * shade)
-            pose = np.array([corner[0] + tile / 2, corner[1] + tile / 2, -0.01, 0, 0, 0, 1.0])
-            self._add(f"floor {i} {j}", np.array([tile, tile, 0.02]), pose, colour)
+            pose = np.eye(4)
+            pose[:3, 3] = corner[0] + tile / 2, corner[1] + tile / 2, -0.01
+            slab = triangles(Box((tile, tile, 0.02)))
+            self._add(Drawn(f"floor {i} {j}", *slab, pose, colour))
 
     def close(self) -> None:
         """Put everything away."""
         if self.bullet.isConnected():
             self.bullet.disconnect()
 
-    def _add(self, name: str, size: Any, pose: Any, colour: tuple[float, float, float]) -> None:
-        b = self.bullet
+    def _add(self, thing: Drawn) -> None:
+        b, pose = self.bullet, pose_of(thing.pose)
+        # Corners of each face of its own: the renderer shades by normals at the corners.
+        corners = thing.vertices[thing.faces]
+        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-12)[:, None]
         shape = b.createVisualShape(
-            b.GEOM_BOX, halfExtents=(size / 2).tolist(), rgbaColor=[*colour, 1.0]
+            b.GEOM_MESH,
+            vertices=corners.reshape(-1, 3).tolist(),
+            indices=list(range(3 * len(corners))),
+            normals=np.repeat(normals, 3, axis=0).tolist(),
+            rgbaColor=[*thing.colour, 1.0],
         )
-        self._bodies[name] = b.createMultiBody(0, -1, shape, pose[:3].tolist(), pose[3:].tolist())
+        self._bodies[thing.name] = b.createMultiBody(
+            0, -1, shape, pose[:3].tolist(), pose[3:].tolist()
+        )
 
     def picture(self, time: float) -> Image:
         """The scene at a time."""
-        for name, size, transform, colour in boxes(self.trace, time):
-            pose = pose_of(transform)
-            if name in self._bodies:
+        for thing in drawn(self.trace, time):
+            if thing.name in self._bodies:
+                pose = pose_of(thing.pose)
                 self.bullet.resetBasePositionAndOrientation(
-                    self._bodies[name], pose[:3].tolist(), pose[3:].tolist()
+                    self._bodies[thing.name], pose[:3].tolist(), pose[3:].tolist()
                 )
             else:
-                self._add(name, size, pose, colour)
+                self._add(thing)
         b, (width, height) = self.bullet, self.size
         view = b.computeViewMatrix(self.eye.tolist(), self.target.tolist(), [0, 0, 1])
         lens = b.computeProjectionMatrixFOV(
@@ -131,14 +145,13 @@ def framed(points: Floats, aspect: float) -> tuple[Floats, Floats]:
 
 
 def _corners(trace: Trace) -> Floats:
-    """Corners (k, 3) of every box at the moments of which there are pictures."""
-    signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) / 2
+    """Points (k, 3) around everything at the moments of which there are pictures."""
     times = {time for _, time in moments(trace)} | set(np.linspace(0, trace.duration, 20).tolist())
     return np.concatenate(
         [
-            (signs * size) @ transform[:3, :3].T + transform[:3, 3]
+            thing.vertices @ thing.pose[:3, :3].T + thing.pose[:3, 3]
             for time in sorted(times)
-            for _, size, transform, _ in boxes(trace, time)
+            for thing in drawn(trace, time)
         ]
     )
 

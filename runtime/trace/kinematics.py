@@ -6,7 +6,7 @@ import numpy as np
 
 from runtime.robot.model import Floats
 from runtime.robot.urdf import Joint
-from runtime.trace.model import WORLD, Trace, TraceRobot
+from runtime.trace.model import WORLD, Trace, TraceRobot, span_at
 from runtime.world.quaternions import matrix
 
 
@@ -64,6 +64,15 @@ def links_at(trace: Trace, tree: Tree, time: float) -> dict[str, Floats]:
         track.at(now)[0][0] for track in (trace.base, trace.joints, trace.opening)
     )
     return tree.links(base, joints, float(opening[0]))
+
+
+def guided_at(trace: Trace, name: str, time: float) -> Floats:
+    """World pose (4, 4) of a fixed thing at a time: where its guide was moved to."""
+    spans = trace.guided.get(name)
+    if spans is not None:
+        return matrix(span_at(spans, time).at(time))
+    thing = next(thing for thing in trace.world.fixed if thing.name == name)
+    return np.vstack([thing.pose, [0.0, 0.0, 0.0, 1.0]])
 
 
 def object_at(trace: Trace, links: dict[str, Floats], index: int, time: float) -> Floats:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
-from domains.tabletop.scene.load import load_scene
 from runtime.plan.node import read_json
 from runtime.plan.read import plan_of
 from runtime.plan.write import FORMAT as PLAN_FORMAT
@@ -13,14 +13,18 @@ from runtime.trace.make import trace_of_plan
 from runtime.trace.model import Trace
 from runtime.trace.read import trace_of
 from runtime.trace.sketch import load_trace_sketch
-from sketchlang.library import find_scene
+from runtime.world.world import World
 
 
 def load_trace(
-    path: Path, scene: str | None = None, robot: str | None = None, sketch: str | None = None
+    path: Path,
+    find_world: Callable[[str], World],
+    scene: str | None = None,
+    robot: str | None = None,
+    sketch: str | None = None,
 ) -> Trace:
     """The trace of a plan or trace file; scene, robot and sketch are for plans that do not
-    name built-in ones.
+    name built-in ones. `find_world` gives the world of a scene by its name or path.
 
     Raises:
         InputError: what is wrong with the file, and where.
@@ -29,10 +33,9 @@ def load_trace(
     if not isinstance(data.value, dict) or data.value.get("format") != PLAN_FORMAT:
         return trace_of(data)
     plan = plan_of(data)
-    scene_path, name = find_scene(scene or plan.scene)
     return trace_of_plan(
         plan,
-        load_scene(scene_path, name),
+        find_world(scene or plan.scene),
         load_robot(robot or plan.robot),
         load_trace_sketch(sketch or plan.sketch),
     )

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from domains.tabletop.scene.model import Scene
 from runtime.angles import wrap
-from runtime.motion.motion import ArmMove, BaseMove, GripperMove
+from runtime.judge.footing import above
+from runtime.motion.motion import ArmMove, BaseMove, Carried, GripperMove
 from runtime.motion.timing import FINGER_RAMP
 from runtime.plan.model import Plan, PlanAction, TimedPiece
 from runtime.robot.model import Floats, RobotModel
@@ -26,6 +27,7 @@ from runtime.trace.model import (
 )
 from runtime.trace.track import TrackBuilder
 from runtime.world.quaternions import matrix, pose_of
+from runtime.world.world import World
 from sketchlang.errors import InputError
 
 JOIN = 1e-3
@@ -46,7 +48,7 @@ class Start:
 
 def trace_of_plan(
     plan: Plan,
-    scene: Scene,
+    world: World,
     robot: RobotModel,
     sketch: TraceSketch,
     start: Start | None = None,
@@ -56,13 +58,13 @@ def trace_of_plan(
     Raises:
         InputError: the plan is of another scene, robot or sketch, or does not hang together.
     """
-    _check(plan, scene, robot, sketch)
-    if start is None and not np.allclose(plan.base_start, scene.robot_start, atol=1e-4):
+    _check(plan, world, robot, sketch)
+    if start is None and not np.allclose(plan.base_start, world.robot_start, atol=1e-4):
         raise InputError(
             "the plan does not start where the robot stands in the scene",
             place=f"{plan.path}: base_start",
         )
-    return _Maker(plan, scene, trace_robot(robot), robot, sketch, start).make()
+    return _Maker(plan, world, trace_robot(robot), robot, sketch, start).make()
 
 
 def trace_robot(robot: RobotModel) -> TraceRobot:
@@ -83,18 +85,10 @@ def trace_robot(robot: RobotModel) -> TraceRobot:
     )
 
 
-def start_pose(scene: Scene, index: int) -> Floats:
-    """Where an object's bottom is at the start (7,)."""
-    thing = scene.objects[index]
-    x, y, yaw = thing.start
-    rest = scene.surfaces[thing.surface].rest
-    return np.array([x, y, rest, 0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2)])
-
-
-def _check(plan: Plan, scene: Scene, robot: RobotModel, sketch: TraceSketch) -> None:
-    if plan.scene_digest != scene.digest:
+def _check(plan: Plan, world: World, robot: RobotModel, sketch: TraceSketch) -> None:
+    if plan.scene_digest != world.digest:
         raise InputError(
-            f"the plan was made for another version of the scene {scene.name}",
+            f"the plan was made for another version of the scene {world.name}",
             place=f"{plan.path}: scene.digest",
             hint="plan the scene again, or name its file with --scene",
         )
@@ -104,7 +98,7 @@ def _check(plan: Plan, scene: Scene, robot: RobotModel, sketch: TraceSketch) -> 
             place=f"{plan.path}: robot.digest",
             hint="plan the scene again, or name the robot's file with --robot",
         )
-    if plan.objects != tuple(thing.name for thing in scene.objects):
+    if plan.objects != tuple(thing.name for thing in world.movables):
         raise InputError("these are not the objects of the scene", place=f"{plan.path}: objects")
     rules = {rule.name for rule in sketch.rules} | {"goal"}
     features = [name for name, _ in sketch.features]
@@ -128,13 +122,13 @@ class _Maker:
     def __init__(
         self,
         plan: Plan,
-        scene: Scene,
+        world: World,
         robot: TraceRobot,
         model: RobotModel,
         sketch: TraceSketch,
         start: Start | None,
     ) -> None:
-        self.plan, self.scene, self.robot, self.sketch = plan, scene, robot, sketch
+        self.plan, self.world, self.robot, self.sketch = plan, world, robot, sketch
         self.model = model
         self.tree = Tree(robot)
         self.now = 0.0
@@ -143,14 +137,14 @@ class _Maker:
         self.opening = TrackBuilder(np.array([robot.max_opening]))
         self.grips: list[Grip] = []
         self.held: int | None = None
-        self.objects = [
-            [_still(0.0, WORLD, start_pose(scene, index))] for index in range(len(scene.objects))
-        ]
+        self.group: list[int] = []  # what is held, and what stands on it
+        self.objects = [[_still(0.0, WORLD, pose_of(thing.pose))] for thing in world.movables]
+        self.guided: dict[str, list[Span]] = {}
         if start is not None:
             self.objects = [[_still(0.0, WORLD, pose)] for pose in start.objects]
             self.opening = TrackBuilder(np.array([start.opening]))
             if start.held is not None and start.in_tool is not None:
-                self.held = start.held
+                self.held, self.group = start.held, [start.held]
                 self.objects[start.held].append(_still(0.0, robot.tool, start.in_tool))
 
     def make(self) -> Trace:
@@ -160,13 +154,15 @@ class _Maker:
             for i, timed in enumerate(action.pieces):
                 self._piece(timed, f"actions[{number}].pieces[{i}]")
             actions.append(
-                TraceAction(action.name, action.subgoal, *_handled(action), start, self.now)
+                TraceAction(
+                    action.name, action.text, action.subgoal, _handled(action), start, self.now
+                )
             )
         return Trace(
             source="plan",
             tool_version=self.plan.tool_version,
             sketch=self.sketch,
-            scene=self.scene,
+            world=self.world,
             robot=self.robot,
             planner=self.plan.planner,
             seed=self.plan.seed,
@@ -178,6 +174,7 @@ class _Maker:
             opening=self.opening.track(),
             grips=tuple(self.grips),
             objects=tuple(map(tuple, self.objects)),
+            guided={name: tuple(spans) for name, spans in self.guided.items()},
         )
 
     def _subgoals(self, actions: list[TraceAction]) -> tuple[TraceSubgoal, ...]:
@@ -215,10 +212,12 @@ class _Maker:
     def _piece(self, timed: TimedPiece, where: str) -> None:
         marks = self.now + timed.times
         match timed.piece:
-            case BaseMove(poses, _):
+            case BaseMove(poses, along):
                 self._drive(poses, marks, where)
-            case ArmMove(path, _, _):
+                self._move_along(along, marks, where)
+            case ArmMove(path, _, along):
                 self._reach(path, marks, where)
+                self._move_along(along, marks, where)
             case GripperMove() as piece:
                 opening = np.array([piece.opening])
                 self.opening.line(float(marks[0]), float(marks[-1]), opening, FINGER_RAMP)
@@ -256,46 +255,60 @@ class _Maker:
         self._join(np.abs(path[0] - self.joints.value), where)
         self.joints.through(path, marks)
 
+    def _move_along(self, along: Sequence[Carried], marks: Floats, where: str) -> None:
+        for carried in along:
+            span = Span(float(marks[0]), WORLD, marks, carried.poses)
+            if carried.body in self.plan.objects:
+                self.objects[self.plan.objects.index(carried.body)].append(span)
+                continue
+            fixed = [thing for thing in self.world.fixed if thing.name == carried.body]
+            if not fixed or fixed[0].guide is None:
+                raise self._fail(f"{where}.along", f"{carried.body} cannot be moved along")
+            first = _still(0.0, WORLD, pose_of(fixed[0].pose))
+            self.guided.setdefault(carried.body, [first]).append(span)
+
     def _grip(self, piece: GripperMove, start: float, where: str) -> None:
         if piece.attach is None and piece.release is None:
             return
         links = self.tree.links(self.base.value, self.joints.value, float(self.opening.value[0]))
-        tool = links[self.robot.tool]
-        names = self.plan.objects
         if piece.attach is not None:
-            name = piece.attach.body
+            name, link = piece.attach.body, piece.attach.to or self.robot.tool
+            if link not in links:
+                raise self._fail(f"{where}.attach.to", f"the robot has no link {link!r}")
             if self.held is not None:
                 raise self._fail(where, f"{name} is gripped while another object is held")
-            self.held = names.index(name)
-            world = matrix(self.objects[self.held][-1].poses[0])
-            in_tool = pose_of(np.linalg.inv(tool) @ world)
-            self.objects[self.held].append(_still(self.now, self.robot.tool, in_tool))
+            self.held = self.plan.objects.index(name)
+            poses = self._standing()
+            self.group = [self.held, *sorted(above(self.world, poses, [self.held]))]
+            for index in self.group:
+                local = pose_of(np.linalg.inv(links[link]) @ poses[index])
+                self.objects[index].append(_still(self.now, link, local))
         else:
             assert piece.release is not None
             name = piece.release.body
-            if self.held is None or names[self.held] != name:
+            if self.held is None or self.plan.objects[self.held] != name:
                 raise self._fail(where, f"{name} is released but not held")
-            in_tool = matrix(self.objects[self.held][-1].poses[0])
-            self.objects[self.held].append(_still(self.now, WORLD, pose_of(tool @ in_tool)))
-            self.held = None
+            for index in self.group:
+                span = self.objects[index][-1]
+                world = pose_of(links[span.frame] @ matrix(span.poses[-1]))
+                self.objects[index].append(_still(self.now, WORLD, world))
+            self.held, self.group = None, []
         self.grips.append(Grip(start, self.now, name, piece.attach is not None))
 
+    def _standing(self) -> dict[int, Floats]:
+        """World poses (4, 4) of all bodies that no link carries."""
+        last = {index: spans[-1] for index, spans in enumerate(self.objects)}
+        return {i: matrix(span.poses[-1]) for i, span in last.items() if span.frame == WORLD}
 
-def _handled(
-    action: PlanAction,
-) -> tuple[str | None, tuple[float, float, float, float] | None]:
-    """The body that an action grips or lets go, and where it is put."""
-    thing = placement = None
+
+def _handled(action: PlanAction) -> str | None:
+    """The body that an action grips or lets go; the last one, where there are more."""
+    thing = None
     for timed in action.pieces:
-        piece = timed.piece
-        if isinstance(piece, GripperMove) and piece.attach is not None:
-            thing = piece.attach.body
-        if isinstance(piece, GripperMove) and piece.release is not None:
-            thing = piece.release.body
-            x, y, z = piece.release.pose[:3].tolist()
-            turn = matrix(piece.release.pose)
-            placement = (x, y, z, math.atan2(turn[1, 0], turn[0, 0]))
-    return thing, placement
+        if isinstance(timed.piece, GripperMove):
+            change = timed.piece.release or timed.piece.attach
+            thing = thing if change is None else change.body
+    return thing
 
 
 def _still(start: float, frame: str, pose: Floats) -> Span:

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from domains.tabletop.scene.model import Scene
 from runtime.robot.model import Floats
 from runtime.robot.urdf import Joint, Urdf
 from runtime.trace.track import Track
+from runtime.world.quaternions import between
+from runtime.world.world import World
 
 WORLD = "world"
 """The frame of things that no link carries."""
@@ -99,13 +100,13 @@ class TraceSubgoal:
 
 @dataclass(frozen=True)
 class TraceAction:
-    """One action: `placement` is where a placed object is to stand (x, y, z of its bottom,
-    heading)."""
+    """One action: its name in the domain, one line for people, and the body that it grips or
+    lets go, if there is one."""
 
     name: str
+    text: str
     subgoal: int
     object: str | None
-    placement: tuple[float, float, float, float] | None
     start: float
     end: float
 
@@ -148,12 +149,7 @@ class Span:
         before = after - 1
         span = self.times[after] - self.times[before]
         share = float(np.clip((time - self.times[before]) / span, 0.0, 1.0)) if span > 0 else 1.0
-        a, b = self.poses[before], self.poses[after]
-        near = b if a[3:] @ b[3:] >= 0 else np.concatenate([b[:3], -b[3:]])
-        mixed = a + share * (near - a)
-        mixed[3:] /= np.linalg.norm(mixed[3:])
-        found: Floats = mixed
-        return found
+        return between(self.poses[before], self.poses[after], share)
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,13 +157,14 @@ class Trace:
     """What a robot did or is to do. `source` is `"plan"` or `"execution"`.
 
     Tracks: `base` (x, y, heading), `joints` (the planning joints), `opening` of the gripper.
-    `objects` are the spans of each object of the scene, in its order.
+    `objects` are the spans of each movable of the world, in its order; `guided` those of fixed
+    things that are moved along their guides, by name.
     """
 
     source: str
     tool_version: str
     sketch: TraceSketch
-    scene: Scene
+    world: World
     robot: TraceRobot
     planner: str
     seed: int
@@ -180,8 +177,17 @@ class Trace:
     grips: tuple[Grip, ...]
     objects: tuple[tuple[Span, ...], ...]
     events: tuple[Event, ...] = ()
+    guided: Mapping[str, tuple[Span, ...]] = field(default_factory=dict)
 
     def span(self, index: int, time: float) -> Span:
         """What moves an object at a time."""
-        spans = self.objects[index]
-        return next((span for span in reversed(spans) if span.start <= time), spans[0])
+        return span_at(self.objects[index], time)
+
+    def held_at(self, index: int, time: float) -> bool:
+        """Whether a link carries an object at a time."""
+        return self.span(index, time).frame != WORLD
+
+
+def span_at(spans: Sequence[Span], time: float) -> Span:
+    """The span of a time."""
+    return next((span for span in reversed(spans) if span.start <= time), spans[0])

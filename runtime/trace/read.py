@@ -20,9 +20,10 @@ from runtime.trace.model import (
     TraceSubgoal,
 )
 from runtime.trace.read_robot import robot_of
-from runtime.trace.read_scene import scene_of
+from runtime.trace.read_world import world_of
 from runtime.trace.track import Track
 from runtime.trace.write import FORMAT, VERSION
+from runtime.world.world import World
 
 
 def read_trace(path: Path) -> Trace:
@@ -45,13 +46,13 @@ def trace_of(data: Node) -> Trace:
             f"the trace is of version {version}, this is a reader of version {VERSION}",
             hint=f"it was written by {age} sketchlang; make it again of its plan",
         )
-    scene, robot, sketch = scene_of(data["scene"]), robot_of(data["robot"]), _sketch(data["sketch"])
-    names = [thing.name for thing in scene.objects]
+    world, robot, sketch = world_of(data["world"]), robot_of(data["robot"]), _sketch(data["sketch"])
+    names = [thing.name for thing in world.movables]
     subgoals = tuple(_subgoal(node, sketch) for node in data["subgoals"].each())
     objects = data["objects"].each()
     if len(objects) != len(names):
         raise data["objects"].fail(f"{len(objects)} entries for {len(names)} objects")
-    links = set(robot.urdf.boxes)
+    links = set(robot.urdf.shapes)
     duration = data["duration"].number()
     if not 0 <= duration <= LONGEST:
         raise data["duration"].fail(f"a trace lasts from 0 to {LONGEST:g} seconds")
@@ -59,7 +60,7 @@ def trace_of(data: Node) -> Trace:
         source=data["source"].choice("plan", "execution"),
         tool_version=data["tool_version"].text(),
         sketch=sketch,
-        scene=scene,
+        world=world,
         robot=robot,
         planner=data["planner"].text(),
         seed=data["seed"].whole(),
@@ -79,6 +80,7 @@ def trace_of(data: Node) -> Trace:
             for node in data["grips"].each()
         ),
         objects=tuple(_spans(node, links) for node in objects),
+        guided=_guided(data["guided"], world, links),
         events=tuple(
             Event(node["time"].number(), node["kind"].text(), node["text"].text())
             for node in data["events"].each()
@@ -120,6 +122,14 @@ def _spans(node: Node, links: set[str]) -> tuple[Span, ...]:
     return tuple(spans)
 
 
+def _guided(node: Node, world: World, links: set[str]) -> dict[str, tuple[Span, ...]]:
+    known = {thing.name for thing in world.fixed if thing.guide is not None}
+    for name, spans in node.items():
+        if name not in known:
+            raise spans.fail(f"nothing called {name!r} can be moved along a guide")
+    return {name: _spans(spans, links) for name, spans in node.items()}
+
+
 def _subgoal(node: Node, sketch: TraceSketch) -> TraceSubgoal:
     values = {
         key: {name: value.whole() for name, value in node[key].items()}
@@ -145,13 +155,12 @@ def _subgoal(node: Node, sketch: TraceSketch) -> TraceSubgoal:
 
 
 def _action(node: Node, names: list[str], subgoals: int) -> TraceAction:
-    thing, placement = node["object"].optional(), node["placement"].optional()
-    row = None if placement is None else placement.numbers((4,)).tolist()
+    thing = node["object"].optional()
     return TraceAction(
-        node["name"].choice("move_base", "pick", "place"),
+        node["name"].text(),
+        node["text"].text(),
         index_of(node["subgoal"], subgoals, "subgoal"),
         None if thing is None else name_of(thing, names),
-        None if row is None else (row[0], row[1], row[2], row[3]),
         *_span_of_time(node),
     )
 

@@ -6,27 +6,27 @@ from runtime.plan.node import Node, poses_of
 from runtime.robot.shapes import Shape
 from runtime.robot.urdf import Joint, Urdf
 from runtime.trace.model import WORLD, TraceRobot
+from runtime.trace.read_world import solid_of
 from runtime.world.poses import Pose
 from runtime.world.quaternions import matrix
-from runtime.world.solids import Box
 
 
 def robot_of(node: Node) -> TraceRobot:
     """The robot that a node of a trace file describes."""
-    boxes: dict[str, tuple[Shape, ...]] = {}
+    shapes: dict[str, tuple[Shape, ...]] = {}
     for link in node["links"].each():
-        boxes[link["name"].text()] = tuple(
-            Shape(box["name"].text(), _pose(box, "pose"), _box(box["size"]))
-            for box in link["boxes"].each()
+        shapes[link["name"].text()] = tuple(
+            Shape(solid["name"].text(), _pose(solid, "pose"), solid_of(solid))
+            for solid in link["solids"].each()
         )
     joints: dict[str, Joint] = {}
     for entry in node["joints"].each():
-        joint = _joint(entry, set(boxes))
+        joint = _joint(entry, set(shapes))
         if joint.child in joints:
             raise entry["child"].fail(f"two joints move {joint.child!r}")
         joints[joint.child] = joint
     root = node["root"].text()
-    _check_tree(node, root, set(boxes), joints)
+    _check_tree(node, root, set(shapes), joints)
     names = {joint.name for joint in joints.values()}
     lists = {
         key: [entry.text() for entry in node[key].each()]
@@ -34,17 +34,17 @@ def robot_of(node: Node) -> TraceRobot:
     }
     for key in ("planning_joints", "finger_joints"):
         _check_names(node[key], lists[key], names, "joint")
-    _check_names(node["gripper_links"], lists["gripper_links"], set(boxes), "link")
-    if WORLD in boxes:
+    _check_names(node["gripper_links"], lists["gripper_links"], set(shapes), "link")
+    if WORLD in shapes:
         raise node["links"].fail(f"no link can have the name {WORLD!r}")
-    if node["tool"].text() not in boxes:
+    if node["tool"].text() not in shapes:
         raise node["tool"].fail(f"there is no link {node['tool'].text()!r}")
     openings = node["openings"].numbers((None,))
     table = node["finger_values"].numbers((len(openings), len(lists["finger_joints"])))
     return TraceRobot(
         name=node["name"].text(),
         digest=node["digest"].text(),
-        urdf=Urdf(node["name"].text(), root, boxes, joints),
+        urdf=Urdf(node["name"].text(), root, shapes, joints),
         joints=tuple(lists["planning_joints"]),
         fingers=tuple(lists["finger_joints"]),
         fixed={name: value.number() for name, value in node["fixed_joints"].items()},
@@ -55,11 +55,6 @@ def robot_of(node: Node) -> TraceRobot:
         openings=openings,
         finger_table=table,
     )
-
-
-def _box(node: Node) -> Box:
-    x, y, z = node.numbers((3,)).tolist()
-    return Box((x, y, z))
 
 
 def _pose(node: Node, key: str) -> Pose:

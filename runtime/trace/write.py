@@ -8,15 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from domains.tabletop.scene.model import Goal, PoseGoal, Scene, UprightBox
-from runtime.robot.model import Floats
 from runtime.trace.model import Span, Trace, TraceRobot, TraceSketch
 from runtime.trace.track import Track
+from runtime.trace.write_world import rounded, solid_to_json, world_to_json
 from runtime.world.quaternions import pose_of
 from sketchlang.files import write_text
 
 FORMAT = "sketchlang-trace"
-VERSION = 1
+VERSION = 2
 
 
 def write_trace(trace: Trace, path: Path) -> None:
@@ -33,12 +32,6 @@ def dumps(trace: Trace) -> str:
     return json.dumps(to_json(trace), separators=(",", ":"))
 
 
-def rounded(array: Floats) -> list[Any]:
-    """Plain lists, to six places: micrometres and microradians, and no negative zeros."""
-    plain: list[Any] = (np.round(np.asarray(array, dtype=np.float64), 6) + 0.0).tolist()
-    return plain
-
-
 def to_json(trace: Trace) -> dict[str, Any]:
     """The trace as plain data."""
     return {
@@ -50,7 +43,7 @@ def to_json(trace: Trace) -> dict[str, Any]:
         "seed": trace.seed,
         "duration": round(trace.duration, 6),
         "sketch": _sketch(trace.sketch),
-        "scene": _scene(trace.scene),
+        "world": world_to_json(trace.world),
         "robot": _robot(trace.robot),
         "subgoals": [
             {
@@ -70,9 +63,9 @@ def to_json(trace: Trace) -> dict[str, Any]:
         "actions": [
             {
                 "name": a.name,
+                "text": a.text,
                 "subgoal": a.subgoal,
                 "object": a.object,
-                "placement": None if a.placement is None else rounded(np.array(a.placement)),
                 "start": round(a.start, 6),
                 "end": round(a.end, 6),
             }
@@ -91,6 +84,9 @@ def to_json(trace: Trace) -> dict[str, Any]:
             for g in trace.grips
         ],
         "objects": [[_span(span) for span in spans] for spans in trace.objects],
+        "guided": {
+            name: [_span(span) for span in spans] for name, spans in sorted(trace.guided.items())
+        },
         "events": [
             {"time": round(e.time, 6), "kind": e.kind, "text": e.text} for e in trace.events
         ],
@@ -125,59 +121,6 @@ def _sketch(sketch: TraceSketch) -> dict[str, Any]:
     }
 
 
-def _box(box: UprightBox) -> dict[str, Any]:
-    return {
-        "centre": rounded(np.array(box.centre)),
-        "size": rounded(np.array(box.size)),
-        "yaw": round(box.yaw, 6),
-    }
-
-
-def _scene(scene: Scene) -> dict[str, Any]:
-    tables = {surface.name for surface in scene.surfaces}
-    return {
-        "name": scene.name,
-        "digest": scene.digest,
-        "robot_start": rounded(np.array(scene.robot_start)),
-        "tables": [
-            {"name": s.name, "box": _box(s.table), "region": rounded(np.array(s.half) * 2)}
-            | {"rest": round(s.rest, 6)}
-            for s in scene.surfaces
-        ],
-        "walls": [
-            {"name": o.name, "box": _box(o.box)} for o in scene.obstacles if o.name not in tables
-        ],
-        "objects": [
-            {
-                "name": o.name,
-                "size": rounded(np.array(o.size)),
-                "start": rounded(np.array(o.start)),
-                "table": o.surface,
-                "colour": o.colour,
-                "letter": o.letter,
-            }
-            for o in scene.objects
-        ],
-        "goals": [_goal(scene, index, goal) for index, goal in sorted(scene.goals.items())],
-        "word": None
-        if scene.word is None
-        else {
-            "word": scene.word.word,
-            "table": scene.word.surface,
-            "pitch": scene.word.pitch,
-            "tolerance": scene.word.tolerance,
-        },
-    }
-
-
-def _goal(scene: Scene, index: int, goal: Goal) -> dict[str, Any]:
-    data: dict[str, Any] = {"object": scene.objects[index].name, "table": goal.surface}
-    if isinstance(goal, PoseGoal):
-        data["at"] = rounded(np.array([goal.x, goal.y]))
-        data["tolerance"] = goal.tolerance
-    return data
-
-
 def _robot(robot: TraceRobot) -> dict[str, Any]:
     urdf = robot.urdf
     return {
@@ -187,16 +130,16 @@ def _robot(robot: TraceRobot) -> dict[str, Any]:
         "links": [
             {
                 "name": link,
-                "boxes": [
+                "solids": [
                     {
-                        "name": box.name,
-                        "pose": rounded(pose_of(box.pose)),
-                        "size": rounded(2 * box.half),
+                        "name": shape.name,
+                        "pose": rounded(pose_of(shape.pose)),
+                        **solid_to_json(shape.solid),
                     }
-                    for box in boxes
+                    for shape in shapes
                 ],
             }
-            for link, boxes in urdf.boxes.items()
+            for link, shapes in urdf.shapes.items()
         ],
         "joints": [
             {

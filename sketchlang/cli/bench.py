@@ -47,13 +47,14 @@ def command(
     import os
     import sys
 
+    from domains.tabletop.scene.generate import sorting_scene
     from runtime.bench import runner, tables
     from runtime.bench.suites import jobs_of
     from sketchlang.errors import InputError
 
     path = out or Path(f"bench-{suite}.jsonl")
     try:
-        wanted = jobs_of(suite, seeds, planners, scenes, timeout, path)
+        wanted = jobs_of(suite, seeds, planners, scenes, timeout, path, sorting_scene)
         stored = {runner.key(result) for result in runner.read_results(path)}
         todo = sum(job not in stored for job in wanted)
         if todo < len(wanted):

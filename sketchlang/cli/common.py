@@ -133,12 +133,13 @@ def load_named(file: Path, scene: str | None, robot: str | None, sketch: str | N
     Raises:
         InputError: what is wrong with the file or an option, and what to do about it.
     """
+    from domains.tabletop.scene.worlds import find_world
     from runtime.trace.load import load_trace
 
     given = {"--scene": scene, "--robot": robot, "--sketch": sketch}
     _refuse_for_traces(file, [option for option, value in given.items() if value is not None])
     try:
-        return load_trace(file, scene, robot, sketch)
+        return load_trace(file, find_world, scene, robot, sketch)
     except InputError as error:
         option = _option_for(error)
         if option is None or given[option] is not None:

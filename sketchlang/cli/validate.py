@@ -34,18 +34,15 @@ def command(plan: Path, scene: str | None, robot: str | None, as_json: bool) -> 
     from sketchlang.errors import InputError
 
     try:
-        from domains.tabletop.scene.load import load_scene
+        from domains.tabletop.scene.worlds import find_world
         from runtime.judge.certify import certify
         from runtime.plan.read import read_plan
         from runtime.robot.load import load_robot
-        from sketchlang.library import find_scene
 
         document = read_plan(plan)
-        path, name = find_scene(scene or document.scene)
         started = time.perf_counter()
-        certificate = certify(
-            document, load_scene(path, name).world, load_robot(robot or document.robot)
-        )
+        world = find_world(scene or document.scene)
+        certificate = certify(document, world, load_robot(robot or document.robot))
         seconds = time.perf_counter() - started
     except InputError as error:
         fail(error)

@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 from click.testing import CliRunner
 
+from domains.tabletop.scene.worlds import find_world
 from runtime.trace.load import load_trace
 from runtime.trace.model import Trace
 from sketchlang.cli.run import command as run
@@ -25,7 +26,7 @@ def plan_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="session")
 def trace(plan_file: Path) -> Trace:
-    return load_trace(plan_file)
+    return load_trace(plan_file, find_world)
 
 
 @pytest.fixture

@@ -14,7 +14,7 @@ from runtime.trace.model import Trace
 
 @pytest.fixture
 def beliefs(trace: Trace) -> Beliefs:
-    return Beliefs(trace.scene, 0.0)
+    return Beliefs(trace.world, 0.0)
 
 
 def seen(beliefs: Beliefs, pose: np.ndarray, held: int | None = None) -> np.ndarray:

@@ -12,9 +12,10 @@ from click.testing import CliRunner
 pytest.importorskip("pybullet")
 
 from benchmarks.execution import planned
-from runtime.physics.bodies import Materials
+from domains.tabletop.scene.worlds import find_world
 from runtime.physics.execute import execute
 from runtime.physics.follow import Follower
+from runtime.physics.materials import Materials
 from runtime.physics.recorder import Recorder
 from runtime.physics.simulation import Physics
 from runtime.show.pictures import Studio, png
@@ -34,7 +35,7 @@ def test_a_plan_is_executed(trace, tmp_path) -> None:
     assert happened.source == "execution"
     path = tmp_path / "executed.json"
     write_trace(happened, path)
-    again = load_trace(path)
+    again = load_trace(path, find_world)
     assert [s.rule for s in again.subgoals] == [s.rule for s in trace.subgoals]
 
 
@@ -48,7 +49,7 @@ def test_slippery_fingers_lose_the_object_and_it_is_told(trace) -> None:
 
 
 def test_the_simulated_robot_is_the_robot(trace) -> None:
-    physics = Physics(trace.scene, trace.robot)
+    physics = Physics(trace.world, trace.robot)
     try:
         follower = Follower(physics, Recorder(physics))
         follower.wait(0.1)
@@ -59,7 +60,7 @@ def test_the_simulated_robot_is_the_robot(trace) -> None:
 
 
 def test_a_grasp_needs_both_fingers(trace) -> None:
-    physics = Physics(trace.scene, trace.robot)
+    physics = Physics(trace.world, trace.robot)
     try:
         physics.step()
         assert not physics.grasp(0)

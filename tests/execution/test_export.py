@@ -46,7 +46,7 @@ def test_a_bag_is_read_back(trace, tmp_path) -> None:
     expected = trace.joints.at(np.array([stamp * 1e-9]))[0][0]
     assert state.position[: len(expected)] == pytest.approx(expected)
     names = {transform.child_frame_id for transform in seen["/tf"][0][1].transforms}
-    assert names == {trace.robot.urdf.root, *(thing.name for thing in trace.scene.objects)}
+    assert names == {trace.robot.urdf.root, *(thing.name for thing in trace.world.movables)}
     base = seen["/tf"][200][1].transforms[0].transform.translation
     assert [base.x, base.y] == pytest.approx(trace.base.at(np.array([stamp * 1e-9]))[0][0][:2])
 
@@ -60,8 +60,8 @@ def test_a_bag_does_not_replace_anything(trace, tmp_path) -> None:
 def test_a_model_has_everything_by_name(trace) -> None:
     scene = trimesh.load_scene(io.BytesIO(glb(trace, 10.0)), file_type="glb")
     names = set(scene.geometry)
-    assert {thing.name for thing in trace.scene.objects} <= names
-    assert {surface.name for surface in trace.scene.surfaces} <= names
-    first = trace.scene.objects[0]
+    assert {thing.name for thing in trace.world.movables} <= names
+    assert {support.owner for support in trace.world.supports} <= names
+    first = trace.world.movables[0]
     pose = scene.graph.get(first.name)[0]
-    assert pose[1, 3] == pytest.approx(0.767 + first.size[2] / 2, abs=1e-3)  # y is up
+    assert pose[1, 3] == pytest.approx(0.767, abs=1e-3)  # y is up

@@ -16,13 +16,13 @@ from click.testing import CliRunner, Result
 
 pytest.importorskip("pybullet")
 
-from domains.tabletop.scene.load import load_scene
+from domains.tabletop.scene.worlds import find_world
 from runtime.export import bag
-from runtime.export.model import boxes
 from runtime.physics import simulation as physics
 from runtime.physics.execute import Report
 from runtime.physics.tracking import Tracking
 from runtime.show import pictures
+from runtime.show.drawn import drawn
 from runtime.show.pictures import LENS, RIGHT, UP, Studio, moments, write_film
 from runtime.trace.write import write_trace
 from sketchlang.cli.execute import command as execute
@@ -30,7 +30,6 @@ from sketchlang.cli.execute import largest_errors, summary
 from sketchlang.cli.export import command as export
 from sketchlang.cli.replay import command as replay
 from sketchlang.errors import InputError
-from sketchlang.library import find_scene
 
 LOOP = ["pick_and_place", "sorting/3t-02", "--closed-loop"]
 
@@ -370,18 +369,16 @@ def _report(tracking: Tracking) -> Report:
 @pytest.mark.parametrize("scene", [None, "words/tamp", "sorting/4t-28"])
 def test_the_camera_sees_the_whole_scene(scene, trace) -> None:
     if scene is not None:
-        path, name = find_scene(scene)
-        there = load_scene(path, name)
+        there = find_world(scene)
         # Objects where they start; the robot drives as it did in the other scene.
-        spans = [trace.objects[0]] * len(there.objects)
-        trace = replace(trace, scene=there, objects=tuple(spans))
+        spans = [trace.objects[0]] * len(there.movables)
+        trace = replace(trace, world=there, objects=tuple(spans))
     studio = Studio(trace, (320, 180))
     studio.close()
-    signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) / 2
     slope = np.tan(np.radians(LENS / 2))
     for _, time in moments(trace):
-        for _, size, pose, _ in boxes(trace, time):
-            corners = (signs * size) @ pose[:3, :3].T + pose[:3, 3] - studio.eye
+        for thing in drawn(trace, time):
+            corners = thing.vertices @ thing.pose[:3, :3].T + thing.pose[:3, 3] - studio.eye
             depth = slope * (corners @ (studio.target - studio.eye))
             assert (np.abs(corners @ UP) < depth).all()
             assert (np.abs(corners @ RIGHT) < 16 / 9 * depth).all()

@@ -38,10 +38,11 @@ class Bench:
 
     def __init__(self, trace: Trace) -> None:
         self.trace, self.robot = trace, load_robot(built_in_robots()[0])
+        self.scene = load_scene(*find_scene("sorting/3t-02"))
         self.number = next(i for i, a in enumerate(trace.actions) if a.name == "pick")
         self.pick: TraceAction = trace.actions[self.number]
         self.grip: Grip = next(g for g in trace.grips if g.object == self.pick.object)
-        self.physics = Physics(trace.scene, trace.robot)
+        self.physics = Physics(trace.world, trace.robot)
         self.follower = Follower(self.physics, Recorder(self.physics), self.robot.acceleration)
         self.disturber = Disturber("none", 0, self.follower)
         self.senses = Senses(self.physics, self.disturber)
@@ -69,11 +70,11 @@ class Bench:
         return links_at(self.trace, Tree(self.trace.robot), time)[self.trace.robot.tool][:3, 3]
 
     def ways(self) -> Ways:
-        return Ways(self.robot, self.trace.scene, self.senses, seed=0)
+        return Ways(self.robot, self.scene, self.senses, seed=0)
 
     def watcher(self) -> Watcher:
         seen = self.senses.look()
-        scene, disturber = self.trace.scene, self.disturber
+        scene, disturber = self.scene, self.disturber
         return Watcher(self.trace, self.number, seen, scene, disturber, self.senses, self.ways())
 
     def loses_it_when_lifted(self) -> Callable[[float], None]:

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from domains.tabletop.scene.worlds import find_world
 from runtime.judge.skeleton import Skeleton
 from runtime.motion.motion import ArmMove, BaseMove
 from runtime.plan.node import Node
@@ -70,7 +71,7 @@ def test_links_are_where_the_judge_of_plans_has_them(trace) -> None:
 def test_a_held_object_keeps_its_place_in_the_gripper(trace) -> None:
     tree = Tree(trace.robot)
     grip, letting = trace.grips[0], trace.grips[1]
-    index = [thing.name for thing in trace.scene.objects].index(grip.object)
+    index = [thing.name for thing in trace.world.movables].index(grip.object)
     relative = []
     for time in np.linspace(grip.time + 0.01, letting.time - 0.01, 7):
         links = links_at(trace, tree, time)
@@ -82,7 +83,7 @@ def test_a_held_object_keeps_its_place_in_the_gripper(trace) -> None:
 def test_objects_do_not_jump_when_they_are_gripped_or_let_go(trace) -> None:
     tree = Tree(trace.robot)
     for grip in trace.grips:
-        index = [thing.name for thing in trace.scene.objects].index(grip.object)
+        index = [thing.name for thing in trace.world.movables].index(grip.object)
         before, after = (
             object_at(trace, links_at(trace, tree, t), index, t)
             for t in (grip.time - 1e-6, grip.time + 1e-6)
@@ -114,15 +115,18 @@ DAMAGES = [
     (lambda d: d["objects"][0][0].update(frame="moon"), r"objects\[0\]\[0\].frame: .* 'moon'"),
     (lambda d: d["actions"][0].update(subgoal=99), r"actions\[0\].subgoal: there is no subgoal 99"),
     (lambda d: d["robot"]["joints"][0].update(parent="x"), r"robot.joints\[0\].parent"),
-    (lambda d: d["scene"]["objects"][1].update(size=[1, 0, 1]), r"scene.objects\[1\].size"),
+    (
+        lambda d: d["world"]["objects"][1]["solids"][0].update(size=[1, 0, 1]),
+        r"world.objects\[1\].*size",
+    ),
     (lambda d: d["grips"][0].update(object="nobody"), r"grips\[0\].object"),
     (lambda d: d["sketch"]["rules"][0].update(end=10**6), r"sketch.rules\[0\]: the rule is not"),
     (lambda d: d["objects"][0][0]["poses"].append("a"), r"objects\[0\]\[0\].poses"),
     (lambda d: d.update(duration=float("nan")), r"duration: numbers must be finite"),
     (lambda d: d.update(duration=-5), r"duration: a trace lasts from 0"),
     (lambda d: d.update(duration=1e5), r"duration: a trace lasts from 0 to 36000"),
-    (lambda d: d["scene"].update(robot_start=[1e308, 0, 0]), r"scene.robot_start: numbers must be"),
-    (lambda d: d["scene"].update(name="\ud800"), r"scene.name: half of a surrogate pair"),
+    (lambda d: d["world"].update(robot_start=[1e308, 0, 0]), r"world.robot_start: numbers must be"),
+    (lambda d: d["world"].update(name="\ud800"), r"world.name: half of a surrogate pair"),
     (lambda d: d["subgoals"][0].update(end=-1), r"subgoals\[0\].end: the end comes before"),
     (lambda d: d["actions"][1].update(start=1e4), r"actions\[1\].end: the end comes before"),
     (
@@ -139,8 +143,18 @@ DAMAGES = [
         r"robot.finger_joints\[2\]: .* stands here twice",
     ),
     (
-        lambda d: d["scene"].update(word={"word": "", "table": 0, "pitch": 1, "tolerance": 1}),
-        r"scene.word.word: a word has letters",
+        lambda d: d["world"].update(
+            goals=[{"kind": "word", "word": "", "support": "table1", "pitch": 1, "tolerance": 1}]
+        ),
+        r"world.goals\[0\].word: a word has letters",
+    ),
+    (lambda d: d["world"]["goals"][0].update(support="moon"), r"world.goals\[0\].support: .*moon"),
+    (lambda d: d["world"]["supports"][0].update(owner="x"), r"world.supports\[0\].owner"),
+    (lambda d: d["world"]["objects"][0].update(solids=[]), r"world.objects\[0\].solids"),
+    (lambda d: d["guided"].update(table1=[]), r"guided.table1: nothing called 'table1'"),
+    (
+        lambda d: d["world"]["fixed"][0]["solids"][0].update(type="hull", points=[[0, 0, 0]]),
+        r"world.fixed\[0\].solids\[0\].points",
     ),
 ]
 
@@ -175,7 +189,7 @@ def test_a_plan_that_does_not_hang_together_is_refused(plan_data, tmp_path) -> N
     path = tmp_path / "plan.json"
     path.write_text(json.dumps(plan_data), encoding="utf-8")
     with pytest.raises(InputError, match=r"actions\[1\]\.pieces\[\d+\]: starts 0\.5"):
-        load_trace(path)
+        load_trace(path, find_world)
 
 
 def test_a_plan_of_another_scene_is_refused(plan_data, tmp_path) -> None:

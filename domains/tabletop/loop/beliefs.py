@@ -12,10 +12,9 @@ import numpy as np
 
 from domains.tabletop.features.goals import turn_error
 from domains.tabletop.loop.sensing import Seen, heading
-from domains.tabletop.scene.model import Scene
 from runtime.robot.model import Floats
-from runtime.trace.make import start_pose
-from runtime.world.quaternions import matrix
+from runtime.world.quaternions import matrix, pose_of
+from runtime.world.world import World
 
 STEADY = 0.002
 """Metres, in the plane, by which an object may be seen beside where it is expected."""
@@ -25,14 +24,14 @@ TURNED = 0.02
 
 
 class Beliefs:
-    """Expected poses (7,) of the bottoms of a scene's objects; at first those of the scene.
+    """Expected poses (7,) of a world's objects; at first those in which they start.
 
     `noise` is the standard deviation of a measured position, in metres; that of a heading is
     ten times as much, in radians.
     """
 
-    def __init__(self, scene: Scene, noise: float) -> None:
-        self.poses: list[Floats] = [start_pose(scene, i) for i in range(len(scene.objects))]
+    def __init__(self, world: World, noise: float) -> None:
+        self.poses: list[Floats] = [pose_of(thing.pose) for thing in world.movables]
         self.steady = STEADY + noise
         self.turned = TURNED + 10 * noise
 

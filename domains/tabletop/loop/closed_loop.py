@@ -73,7 +73,7 @@ class ClosedLoop:
         gui: bool = False,
     ) -> None:
         self.compiled, self.text, self.robot, self.seed = compiled, text, robot, seed
-        self.physics = Physics(scene, trace_robot(robot), gui)
+        self.physics = Physics(scene.world, trace_robot(robot), gui)
         self.recorder = Recorder(self.physics)
         self.follower = Follower(self.physics, self.recorder, robot.acceleration)
         self.disturber = Disturber(disturbance, seed, self.follower)
@@ -81,7 +81,7 @@ class ClosedLoop:
         self.follower.meanwhile = self.disturber.go_on
         self.senses = Senses(self.physics, self.disturber)
         self.rng = np.random.default_rng(seed)
-        self.beliefs = Beliefs(scene, self.disturber.noise)
+        self.beliefs = Beliefs(scene.world, self.disturber.noise)
         self.grasp: Grasp | None = None
         self.broken_off = 0
         self._know(scene)
@@ -116,7 +116,7 @@ class ClosedLoop:
             self.recorder.event("verdict", reason or "goal reached")
             if like is None:
                 return verdict, None
-            return verdict, self.recorder.trace(replace(like, scene=self.scene))
+            return verdict, self.recorder.trace(replace(like, world=self.scene.world))
         finally:
             self.physics.close()
 
@@ -140,7 +140,7 @@ class ClosedLoop:
             picks = [action for action in subgoal.actions if isinstance(action, Pick)]
             grasp = picks[-1].grasp if picks else self.grasp
             plan = plan_of(self.problem, self.guide, state, subgoal)
-            like = trace_of_plan(plan, self.scene, self.robot, self.text, self._start(seen))
+            like = trace_of_plan(plan, self.scene.world, self.robot, self.text, self._start(seen))
             reason = self._carry_out(like, seen)
             self.grasp = grasp if self.physics.held is not None else None
             if reason is not None:

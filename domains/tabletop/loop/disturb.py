@@ -114,7 +114,7 @@ class Disturber:
             self._drop_height = table + self.rng.uniform(0.005, 0.02)
         if self.physics.object_pose(held)[2] > self._drop_height:
             self.left -= 1
-            name = self.physics.scene.objects[held].name
+            name = self.physics.world.movables[held].name
             self.recorder.event("disturbance", f"{name} drops out of the gripper")
             self.follower.lose_grip()
 

@@ -55,20 +55,78 @@
     if (edges) mesh.add(new T.LineSegments(new T.EdgesGeometry(geometry), INK));
     return mesh;
   };
-  const upright = (spec, surface, options) => {
-    const mesh = box(spec.size, surface, options);
-    mesh.position.set(...spec.centre);
-    mesh.rotation.z = spec.yaw;
+  const facets = (vertices, faces, surface) => {
+    const geometry = new T.BufferGeometry();
+    // Corners of each face of its own, so that faces have their own normals.
+    geometry.setAttribute("position", new T.Float32BufferAttribute(
+      faces.flatMap((face) => face.flatMap((corner) => vertices[corner])), 3));
+    geometry.computeVertexNormals();
+    const mesh = new T.Mesh(geometry, surface);
+    mesh.castShadow = mesh.receiveShadow = true;
+    mesh.add(new T.LineSegments(new T.EdgesGeometry(geometry, 25), INK));
     return mesh;
   };
+  // What a profile of [radius, height], from below, sweeps about z.
+  const turned = (profile, surface, around = 32) => {
+    const vertices = [], faces = [];
+    for (const [r, z] of [[0, profile[0][1]], ...profile, [0, profile.at(-1)[1]]]) {
+      for (let k = 0; k < around; k++) {
+        const angle = 2 * Math.PI * k / around;
+        vertices.push([r * Math.cos(angle), r * Math.sin(angle), z]);
+      }
+    }
+    for (let a = 0; a + around < vertices.length; a += around) {
+      for (let k = 0; k < around; k++) {
+        const n = (k + 1) % around;
+        faces.push([a + k, a + n, a + around + n], [a + k, a + around + n, a + around + k]);
+      }
+    }
+    return facets(vertices, faces, surface);
+  };
+  const ball = (radius, height) => {
+    const rings = [];
+    for (let i = 0; i <= 16; i++) {
+      const angle = Math.PI * (i / 16 - 0.5);
+      const ring = (lift) => rings.push([radius * Math.cos(angle), radius * Math.sin(angle) + lift]);
+      if (i <= 8) ring(-height / 2);
+      if (i >= 8 && (height || i > 8)) ring(height / 2);
+    }
+    return rings;
+  };
+  // A solid as the trace describes it, in its own frame.
+  const solid = (spec, surface) => {
+    if (spec.type === "box") return box(spec.size, surface);
+    const one = Array.isArray(surface) ? surface[0] : surface;
+    if (spec.type === "hull") return facets(spec.points, spec.faces, one);
+    if (spec.type === "cylinder") {
+      return turned([[spec.radius, -spec.height / 2], [spec.radius, spec.height / 2]], one);
+    }
+    return turned(ball(spec.radius, spec.type === "capsule" ? spec.height : 0), one);
+  };
+  // A body: its mesh where it has one, else all its solids.
+  const body = (spec, surface) => {
+    const group = new T.Group();
+    if (spec.mesh) group.add(facets(spec.mesh.vertices, spec.mesh.faces, surface));
+    else for (const part of spec.solids) {
+      const mesh = solid(part, surface);
+      place(mesh, part.pose);
+      group.add(mesh);
+    }
+    return group;
+  };
+  // Half the size of the box around a solid, along its own axes.
+  const half = (spec) => spec.type === "box" ? spec.size.map((s) => s / 2)
+    : spec.type === "hull" ? [0, 1, 2].map((k) => Math.max(...spec.points.map((p) => Math.abs(p[k]))))
+      : spec.type === "sphere" ? [spec.radius, spec.radius, spec.radius]
+        : [spec.radius, spec.radius, spec.height / 2 + (spec.type === "capsule" ? spec.radius : 0)];
   const place = (node, pose) => {
     node.position.set(pose[0], pose[1], pose[2]);
     node.quaternion.set(pose[3], pose[4], pose[5], pose[6]);
   };
 
   const addScene = (scene) => {
-    const reach = Math.max(2, ...[...scene.walls, ...scene.tables].map(
-      ({ box }) => Math.max(Math.abs(box.centre[0]), Math.abs(box.centre[1])) + 0.6));
+    const reach = Math.max(2, ...scene.fixed.map(
+      ({ pose }) => Math.max(Math.abs(pose[0]), Math.abs(pose[1])) + 0.6));
     const floor = new T.Mesh(new T.PlaneGeometry(4 * reach, 4 * reach), material(0xdfe5ea));
     floor.receiveShadow = true;
     world.add(floor);
@@ -76,16 +134,29 @@
     grid.rotation.x = Math.PI / 2;
     grid.position.z = 0.002;
     world.add(grid);
-    for (const wall of scene.walls) world.add(upright(wall.box, material(0x9aa7b3)));
-    const SLAB = 0.04;
-    for (const { box: whole } of scene.tables) {
-      // The planner keeps clear of the whole body, down to the floor; drawn as a box below a top.
-      const [x, y, z] = whole.centre, [a, b, c] = whole.size;
-      const body = { ...whole, centre: [x, y, z - SLAB / 2], size: [a - 0.04, b - 0.04, c - SLAB] };
-      const top = { ...whole, centre: [x, y, z + c / 2 - SLAB / 2], size: [a, b, SLAB] };
-      world.add(upright(body, material(0xcbb391)), upright(top, material(0xe2cba6)));
+    const SLAB = 0.04, fixed = {};
+    for (const thing of scene.fixed) {
+      const furniture = scene.supports.some(({ owner }) => owner === thing.name);
+      const group = fixed[thing.name] = new T.Group();
+      const only = thing.solids.length === 1 && thing.solids[0].type === "box" && thing.solids[0];
+      if (furniture && only && only.size[2] > 4 * SLAB) {
+        // The planner keeps clear of the whole body, down to the floor; drawn as a box below a top.
+        const [a, b, c] = only.size;
+        const low = box([a - 0.04, b - 0.04, c - SLAB], material(0xcbb391));
+        const top = box([a, b, SLAB], material(0xe2cba6));
+        low.position.z = -SLAB / 2;
+        top.position.z = c / 2 - SLAB / 2;
+        const whole = new T.Group();
+        whole.add(low, top);
+        place(whole, only.pose);
+        group.add(whole);
+      } else {
+        group.add(body(thing, material(furniture ? 0xe2cba6 : 0x9aa7b3)));
+      }
+      place(group, thing.pose);
+      world.add(group);
     }
-    return reach;
+    return { reach, fixed };
   };
 
   const lettered = (text, colour) => {
@@ -107,17 +178,16 @@
   const COLOURS = { blue: "#2f6fd0", green: "#36a161", red: "#d2453d", yellow: "#e8bd2f" };
   const addObject = (thing) => {
     const holder = new T.Group();
-    const colour = COLOURS[thing.colour] || (thing.letter ? "#f2d49b" : thing.colour) || "#b07cc6";
+    const colour = COLOURS[thing.colour] || (thing.label ? "#f2d49b" : thing.colour) || "#b07cc6";
     let surface = material(colour);
-    if (thing.letter) {
+    const only = thing.solids.length === 1 && thing.solids[0].type === "box" && thing.solids[0];
+    if (thing.label && only) {
       // The letter is on top, where a row of blocks is read, and on a square on each side.
-      const face = lettered(thing.letter, colour);
+      const face = lettered(thing.label, colour);
       surface = [surface, surface, surface, surface, face, surface];
     }
-    const mesh = box(thing.size, surface);
-    mesh.position.z = thing.size[2] / 2;
-    holder.add(mesh);
-    if (thing.letter) addLabels(holder, thing, lettered(thing.letter, colour));
+    holder.add(body(thing, surface));
+    if (thing.label && only) addLabels(holder, only, lettered(thing.label, colour));
     world.add(holder);
     return holder;
   };
@@ -149,8 +219,8 @@
       const level = depth(link.name);
       const colour = grip.has(link.name) ? 0x3a434d
         : level === 0 ? 0x59646f : level % 2 ? 0xf4f5f6 : 0xe3873e;
-      for (const shape of link.boxes) {
-        const mesh = box(shape.size, material(colour));
+      for (const shape of link.solids) {
+        const mesh = solid(shape, material(colour));
         place(mesh, shape.pose);
         group.add(mesh);
       }
@@ -158,11 +228,12 @@
     // A column below what a lift raises: collision boxes alone would leave it floating.
     for (const joint of robot.joints) {
       if (joint.type !== "prismatic" || !robot.planning_joints.includes(joint.name)) continue;
-      const shape = robot.links.find((link) => link.name === joint.child).boxes[0];
+      const shape = robot.links.find((link) => link.name === joint.child).solids[0];
       if (!shape || joint.axis[2] < 0.99) continue;
       const length = joint.limits[1] - joint.limits[0];
-      const column = box([0.5 * shape.size[0], 0.5 * shape.size[1], length], material(0x8a949e));
-      column.position.set(shape.pose[0], shape.pose[1], shape.pose[2] - (shape.size[2] + length) / 2);
+      const [a, b, c] = half(shape);
+      const column = box([a, b, length], material(0x8a949e));
+      column.position.set(shape.pose[0], shape.pose[1], shape.pose[2] - c - length / 2);
       links[joint.child].add(column);
     }
     for (const joint of robot.joints) {
@@ -182,8 +253,8 @@
     return { links, set, root: links[robot.root] };
   };
 
-  const reach = addScene(trace.scene);
-  const objects = trace.scene.objects.map(addObject);
+  const { reach, fixed } = addScene(trace.world);
+  const objects = trace.world.objects.map(addObject);
   const robot = addRobot(trace.robot);
   const path = new T.BufferGeometry();
   const points = [];
@@ -221,10 +292,12 @@
   orbit.maxPolarAngle = Math.PI / 2 - 0.02;
   orbit.addEventListener("change", () => { stale = true; });
   // Room for everything around the middle of what is on the floor.
-  const spread = [...trace.scene.tables.map((table) => table.box.centre), trace.scene.robot_start];
+  const owners = new Set(trace.world.supports.map(({ owner }) => owner));
+  const furniture = trace.world.fixed.filter(({ name }) => owners.has(name));
+  const spread = [...furniture.map(({ pose }) => pose), trace.world.robot_start];
   const middle = [0, 1].map((k) => (Math.min(...spread.map((p) => p[k])) + Math.max(...spread.map((p) => p[k]))) / 2);
-  const span = Math.max(1.6, ...trace.scene.tables.map(({ box }) =>
-    Math.max(...box.size.slice(0, 2)) / 2 + Math.hypot(box.centre[0] - middle[0], box.centre[1] - middle[1])));
+  const span = Math.max(1.6, ...furniture.map(({ pose, solids }) =>
+    Math.max(...solids.flatMap((part) => half(part).slice(0, 2))) + Math.hypot(pose[0] - middle[0], pose[1] - middle[1])));
   orbit.target.set(middle[0], middle[1], 0.45);
   camera.position.set(middle[0] - 0.95 * span, middle[1] - 1.55 * span, 0.5 + 1.55 * span);
   orbit.update();
@@ -235,7 +308,7 @@
   const kinds = Object.fromEntries(trace.sketch.features.map(({ name, kind }) => [name, kind]));
   const shown = (name, value) => (kinds[name] === "bool" ? (value ? "true" : "false") : String(value));
 
-  document.title = `${trace.scene.name} · ${trace.sketch.name}`;
+  document.title = `${trace.world.name} · ${trace.sketch.name}`;
   $("title").textContent = document.title;
   $("about").textContent = `${trace.source === "plan" ? "planned" : "executed"} · `
     + `${trace.planner}, seed ${trace.seed} · ${trace.subgoals.length} subgoals · ${clock(trace.duration)}`;
@@ -298,10 +371,10 @@
   };
   trace.sketch.texts.forEach(addSource);
 
-  const describe = (action) => action.name === "move_base" ? "drive" : `${action.name} ${action.object}`;
+  const describe = (action) => action.text;
   const items = trace.subgoals.map((goal, number) => {
     const item = make("li");
-    const own = trace.actions.filter((action) => action.subgoal === number && action.name !== "move_base");
+    const own = trace.actions.filter((action) => action.subgoal === number && action.object);
     item.append(make("span", "time", clock(goal.start)), make("span", "rule-name", goal.rule),
       `  ${own.map(describe).join(", ") || "drive"}`);
     const names = Object.keys(goal.after).filter((name) => goal.before[name] !== goal.after[name]);
@@ -354,6 +427,15 @@
     reveal($("subgoals"), items[number]);
   };
 
+  // Values of the finger joints, interpolated in the table of openings.
+  const fingers = (opening) => {
+    const { openings, finger_values: table } = trace.robot;
+    const i = Math.min(last(openings, opening), openings.length - 2);
+    if (i < 0) return table[0];
+    const share = Math.min(1, Math.max(0, (opening - openings[i]) / (openings[i + 1] - openings[i] || 1)));
+    return table[i].map((value, k) => value + share * (table[i + 1][k] - value));
+  };
+
   const show = (t) => {
     const [x, y, yaw] = at(trace.base, t);
     if ($("follow").checked) {
@@ -365,10 +447,10 @@
     robot.root.rotation.z = yaw;
     at(trace.joints, t).forEach((value, i) => robot.set(trace.robot.planning_joints[i], value));
     const [opening] = at(trace.opening, t);
-    for (const name of trace.robot.finger_joints) robot.set(name, opening / trace.robot.finger_joints.length);
+    fingers(opening).forEach((value, i) => robot.set(trace.robot.finger_joints[i], value));
     world.updateMatrixWorld(true);
-    trace.objects.forEach((spans, i) => {
-      const stretch = spans[current(spans, t)], node = objects[i];
+    const carry = (spans, node) => {
+      const stretch = spans[current(spans, t)];
       const k = last(stretch.times, t);
       const local = stretch.poses[k], next = stretch.poses[k + 1];
       place(node, local);
@@ -382,7 +464,9 @@
         node.matrix.premultiply(robot.links[stretch.frame].matrixWorld);
         node.matrix.decompose(node.position, node.quaternion, node.scale);
       }
-    });
+    };
+    trace.objects.forEach((spans, i) => carry(spans, objects[i]));
+    for (const [name, spans] of Object.entries(trace.guided)) carry(spans, fixed[name]);
     const number = trace.subgoals.length ? current(trace.subgoals, t) : -1;
     light(number);
     const values = valuesAt(t);

@@ -9,6 +9,7 @@ from xml.etree import ElementTree
 import pytest
 from click.testing import CliRunner
 
+from domains.tabletop.scene.generate import sorting_scene
 from runtime.bench import runner, tables
 from runtime.bench.plot import scaling_plot
 from runtime.bench.runner import Job
@@ -81,11 +82,11 @@ def test_ratios_compare_the_planners_scene_by_scene() -> None:
 
 
 def test_the_paper_suite_is_scenes_by_planners_by_seeds(tmp_path) -> None:
-    assert len(set(jobs_of("paper", 10, (), (), 60.0, tmp_path / "x"))) == 8 * 2 * 10
+    assert len(set(jobs_of("paper", 10, (), (), 60.0, tmp_path / "x", sorting_scene))) == 8 * 2 * 10
     with pytest.raises(InputError, match="no planner"):
-        jobs_of("paper", 1, ("fast",), (), 60.0, tmp_path / "x")
+        jobs_of("paper", 1, ("fast",), (), 60.0, tmp_path / "x", sorting_scene)
     with pytest.raises(InputError, match="no scene"):
-        jobs_of("paper", 1, (), ("sorting/none",), 60.0, tmp_path / "x")
+        jobs_of("paper", 1, (), ("sorting/none",), 60.0, tmp_path / "x", sorting_scene)
 
 
 @pytest.mark.slow

@@ -1,0 +1,91 @@
+"""Solids and bodies as triangles, to be looked at."""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from runtime.trace.write_world import hull_faces
+from runtime.world.body import Body
+from runtime.world.poses import Floats, apply
+from runtime.world.solids import Box, Capsule, Cylinder, Hull, Solid, Sphere
+
+Ints = NDArray[np.int64]
+
+AROUND = 32
+"""Corners of a circle."""
+
+OVER = 8
+"""Rings of half a ball."""
+
+
+@lru_cache(maxsize=4096)
+def triangles(solid: Solid) -> tuple[Floats, Ints]:
+    """Vertices (n, 3) and faces (m, 3), counter-clockwise from outside."""
+    match solid:
+        case Box():
+            points = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
+            return _hull(points * np.array(solid.half))
+        case Hull():
+            return _hull(solid.points)
+        case Cylinder():
+            profile = [(solid.radius, -solid.height / 2), (solid.radius, solid.height / 2)]
+        case Sphere():
+            profile = _ball(solid.radius, 0.0)
+        case Capsule():
+            profile = _ball(solid.radius, solid.height)
+    return _turned(profile)
+
+
+def _hull(points: Floats) -> tuple[Floats, Ints]:
+    return points, np.array(hull_faces(points), dtype=np.int64)
+
+
+def _ball(radius: float, height: float) -> list[tuple[float, float]]:
+    """Radius and height of rings from pole to pole, the poles left out, of a ball that is cut
+    at its equator and pulled apart by a height."""
+    rings = []
+    for i in range(1, 2 * OVER):
+        angle = math.pi * (i / (2 * OVER) - 0.5)
+        lift = math.copysign(height / 2, angle) if i != OVER else 0.0
+        rings.append((radius * math.cos(angle), radius * math.sin(angle) + lift))
+    if height:
+        rings[OVER - 1 : OVER] = [(radius, -height / 2), (radius, height / 2)]
+    return [(0.0, -radius - height / 2), *rings, (0.0, radius + height / 2)]
+
+
+def _turned(profile: list[tuple[float, float]]) -> tuple[Floats, Ints]:
+    """What a profile (radius, height), from below, sweeps about z; closed at both ends."""
+    turn = np.linspace(0, 2 * math.pi, AROUND, endpoint=False)
+    rings = [
+        np.column_stack([r * np.cos(turn), r * np.sin(turn), np.full(AROUND, z)])
+        for r, z in profile
+    ]
+    ends = np.array([[0, 0, profile[0][1]], [0, 0, profile[-1][1]]])
+    vertices = np.vstack([*rings, ends])
+    bottom, top = len(vertices) - 2, len(vertices) - 1
+    faces = []
+    for k in range(AROUND):
+        n = (k + 1) % AROUND
+        for ring in range(len(profile) - 1):
+            a, b = ring * AROUND, (ring + 1) * AROUND
+            faces += [(a + k, a + n, b + n), (a + k, b + n, b + k)]
+        last = (len(profile) - 1) * AROUND
+        faces += [(n, k, bottom), (last + k, last + n, top)]
+    return vertices, np.array(faces, dtype=np.int64)
+
+
+def of_body(body: Body) -> tuple[Floats, Ints]:
+    """A body's mesh, or all its solids, in its frame."""
+    if body.mesh is not None:
+        return body.mesh.vertices, np.asarray(body.mesh.faces, dtype=np.int64)
+    vertices, faces, count = [], [], 0
+    for part in body.parts:
+        points, corners = triangles(part.solid)
+        vertices.append(apply(part.pose, points))
+        faces.append(corners + count)
+        count += len(points)
+    return np.vstack(vertices), np.vstack(faces)
