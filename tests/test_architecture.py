@@ -101,6 +101,11 @@ def test_runtime_and_domains_do_not_import_the_command_line(path) -> None:
     assert not [n for n in imports(path, lazy=True) if within(n, ("sketchlang.cli",))]
 
 
+@pytest.mark.parametrize("path", modules("runtime"), ids=str)
+def test_the_runtime_imports_no_domain(path) -> None:
+    assert not [n for n in imports(path, lazy=True) if within(n, ("domains",))]
+
+
 GEOMETRY = tuple(
     f"runtime.{name}"
     for name in ("kernels", "motion", "pick_place", "robot", "scene", "validation", "plan")

@@ -89,13 +89,14 @@ def test_in_drawings() -> None:
 
 
 def test_in_traces(plan_file: Path, tmp_path) -> None:
+    from domains.tabletop.scene.worlds import find_world
     from runtime.export.model import glb
     from runtime.show.page import page
     from runtime.show.pictures import moments
     from runtime.trace.load import load_trace
     from runtime.trace.write import dumps
 
-    trace = load_trace(plan_file)
+    trace = load_trace(plan_file, find_world)
     for start in range(0, len(NAMES), 100):
         some = NAMES[start : start + 100]
         long = "".join(some)
@@ -103,11 +104,11 @@ def test_in_traces(plan_file: Path, tmp_path) -> None:
             replace(trace.subgoals[i % len(trace.subgoals)], rule=name)
             for i, name in enumerate(some)
         )
-        named = zip(trace.scene.objects, some, strict=False)
+        named = zip(trace.world.movables, some, strict=False)
         objects = tuple(replace(thing, name=name) for thing, name in named)
-        scene = replace(trace.scene, name=long, objects=objects)
+        world = replace(trace.world, name=long, movables=objects)
         sketch = replace(trace.sketch, name=long)
-        bad = replace(trace, subgoals=subgoals, scene=scene, sketch=sketch)
+        bad = replace(trace, subgoals=subgoals, world=world, sketch=sketch)
         assert harm(dumps(bad)) is None
         text = page(bad)
         # Of the page, what is not the program's own script and style.
