@@ -17,24 +17,22 @@ the state, whatever the domain uses as one, and its annotation is not looked at.
 
 from __future__ import annotations
 
-import ast
-import collections.abc
+import functools
 import inspect
 import linecache
 import os
-import types
 import typing
-from collections.abc import Callable, Hashable, Iterable, Mapping
+from collections.abc import Callable, Collection, Hashable, Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import Annotated, Any, Protocol, TypeVar
+from typing import Any, Protocol, TypeVar
 
+from sketchlang.annotations import Nat, of_object, of_text
 from sketchlang.diagnostics import Label
 from sketchlang.source import Source, Span
 from sketchlang.syntax.grammar import words
-from sketchlang.types import BOOL, NAT, Type
+from sketchlang.types import BOOL, Type
 
-Nat = Annotated[int, "a whole number from 0 on"]
-"""The annotation for a non-negative integer."""
+__all__ = ["Domain", "DomainError", "Function", "LoadOptions", "Nat", "Problem", "SceneError"]
 
 StateT = TypeVar("StateT")
 ActionT_co = TypeVar("ActionT_co", covariant=True)
@@ -76,13 +74,20 @@ class SceneError(Exception):
 @dataclass(frozen=True, slots=True)
 class Function:
     """A function of the domain as sketches see it; `call` takes the state first. `ignores`
-    are the parts of the state that its result does not depend on."""
+    are the parts of the state that its result does not depend on.
+
+    A relation is a function to `bool` that can list all tuples for which it holds:
+    `extension(state)`. Its arguments may be left open. `declared` is its place where that is
+    no Python file.
+    """
 
     name: str
     call: Callable[..., Any]
     parameters: tuple[Type, ...]
     result: Type
     ignores: frozenset[str] = frozenset()
+    extension: Callable[[Any], Collection[tuple[Any, ...]]] | None = None
+    declared: Label | None = None
 
     @property
     def summary(self) -> str:
@@ -96,7 +101,9 @@ class Function:
         return f"{_shown(code.co_filename)}:{code.co_firstlineno}" if code else self.name
 
     def place(self) -> Label | None:
-        """Its `def` line, or None where the source is not to be had."""
+        """Where it is declared, or None where the source is not to be had."""
+        if self.declared is not None:
+            return self.declared
         code = getattr(inspect.unwrap(self.call), "__code__", None)
         if code is None:
             return None
@@ -125,6 +132,10 @@ class Domain:
     `atoms[name]` maps a state to the atoms of one family that are true in it; `load` makes
     a problem of the path of a scene and options. `actions` are further action schemas, for
     domains whose problems take such. A domain that `has_robots` plans for one of them.
+    `members(state, sort)` lists all elements of a sort, where the domain can do that.
+    `default_atoms` are the novelty atoms of sketches that name none; `evaluator(checked)` makes the
+    function from states to feature values where the domain has a quicker one than the compiler's;
+    `goal_test(state)` tells whether the scene's goal holds, where that is more than a sketch says.
     """
 
     name: str
@@ -134,9 +145,15 @@ class Domain:
     actions: dict[str, Any] = field(default_factory=dict)
     load: Callable[[str, LoadOptions], Any] | None = None
     has_robots: bool = False
+    members: Callable[[Any, str], Collection[Any]] | None = None
+    default_atoms: Callable[[Any], Iterable[Hashable]] | None = None
+    evaluator: Callable[[Any], Callable[[Any], tuple[int, ...]]] | None = None
+    goal_test: Callable[[Any], bool] | None = None
     _ignores: dict[str, frozenset[str]] = field(default_factory=dict)
     _declared: dict[str, Callable[..., Any]] = field(default_factory=dict)
     _resolved: dict[str, Function] = field(default_factory=dict)
+    _wanted: dict[str, Callable[..., Any]] = field(default_factory=dict)
+    _goals: dict[str, Function] = field(default_factory=dict)
 
     def sort(self, cls: C) -> C:
         """Declare a class as a sort. Its instances must be hashable."""
@@ -163,8 +180,15 @@ class Domain:
             dict(base.actions),
             base.load,
             base.has_robots,
-            dict(base._ignores),
-            dict(base._declared),
+            base.members,
+            base.default_atoms,
+            None,  # no evaluator: it would not know what is added
+            base.goal_test,
+            _ignores=dict(base._ignores),
+            _declared=dict(base._declared),
+            _resolved=dict(base._resolved),
+            _wanted=dict(base._wanted),
+            _goals=dict(base._goals),
         )
 
     @typing.overload
@@ -198,6 +222,29 @@ class Domain:
         self.actions[schema.__name__] = schema
         return schema
 
+    def add(self, function: Function, goal: bool = False) -> None:
+        """Declare a function whose types are not annotations, or what the goal says of it."""
+        names, found = (self._wanted, self._goals) if goal else (self._declared, self._resolved)
+        self._claim(function.name, names, "function")
+        names[function.name] = function.call
+        self._ignores.setdefault(function.name, function.ignores)
+        found[function.name] = function
+
+    def goal(self, name: str) -> Callable[[F], F]:
+        """Declare what the goal says of a function: `goal NAME(...)` in a sketch."""
+
+        def declare(function: F) -> F:
+            self._claim(name, self._wanted, "goal")
+            self._wanted[name] = function
+            return function
+
+        return declare
+
+    def universe(self, function: F) -> F:
+        """Declare the function `members(state, sort)` that lists all elements of a sort."""
+        self.members = function
+        return function
+
     def atom(self, function: F) -> F:
         """Declare a family of novelty atoms: state -> hashable values true in it."""
         self._claim(function.__name__, self.atoms, "atom")
@@ -225,6 +272,29 @@ class Domain:
             self._resolved[name] = self._signature(name, self._declared[name])
         return self._resolved
 
+    @property
+    def goals(self) -> Mapping[str, Function]:
+        """What can stand after `goal` in an expression; raises `DomainError`."""
+        for name in self._wanted.keys() - self._goals.keys():
+            self._goals[name] = self._signature(name, self._wanted[name])
+        return self._goals
+
+    def overlap(self, first: str, second: str) -> bool:
+        """Whether something can be of both sorts: one is below the other, or a sort below both."""
+        classes = self.sorts[first], self.sorts[second]
+        if issubclass(classes[0], classes[1]) or issubclass(classes[1], classes[0]):
+            return True
+        return any(all(issubclass(sort, cls) for cls in classes) for sort in self.sorts.values())
+
+    def above(self, first: str, second: str) -> str | None:
+        """The lowest sort that two sorts are below of; None if there is none."""
+        both = [
+            name
+            for name, cls in self.sorts.items()
+            if issubclass(self.sorts[first], cls) and issubclass(self.sorts[second], cls)
+        ]
+        return max(both, key=lambda name: len(self.sorts[name].__mro__), default=None)
+
     def _signature(self, name: str, function: Callable[..., Any]) -> Function:
         parameters = list(inspect.signature(function).parameters.values())
         if not parameters:
@@ -237,15 +307,21 @@ class Domain:
         arguments = []
         for parameter in parameters[1:]:
             kind = self._type(name, function, parameter.name, parameter.annotation)
-            if kind.is_set:
+            if kind.is_set or kind.is_relation:
                 raise DomainError(
                     f"{self._where(name, function)}: parameter {parameter.name} is a set; "
                     "only results can be"
                 )
             arguments.append(kind)
-        result = function.__annotations__.get("return", inspect.Parameter.empty)
-        kind = self._type(name, function, "the result", result)
-        return Function(name, function, tuple(arguments), kind, self._ignores[name])
+        annotation = function.__annotations__.get("return", inspect.Parameter.empty)
+        result = self._type(name, function, "the result", annotation)
+        ignores = self._ignores.get(name, frozenset())
+        if not result.is_relation:
+            return Function(name, function, tuple(arguments), result, ignores)
+        if arguments:
+            raise DomainError(f"{self._where(name, function)}: a relation takes the state only")
+        sides = (Type(result.name), Type(result.to or result.name))
+        return Function(name, _membership(function), sides, BOOL, ignores, function)
 
     def _where(self, name: str, function: Callable[..., Any]) -> str:
         code = getattr(function, "__code__", None)
@@ -257,65 +333,30 @@ class Domain:
             raise DomainError(f"{self._where(name, function)}: {what} has no annotation")
         if isinstance(annotation, str):
             namespace = dict(getattr(function, "__globals__", {}))
-            found = _of_text(annotation, namespace, self.sorts)
+            found = of_text(annotation, namespace, self.sorts)
         else:
-            found = _of_object(annotation, self.sorts)
+            found = of_object(annotation, self.sorts)
         if found is None:
             sorts = ", ".join(self.sorts) or "none so far"
             raise DomainError(
                 f"{self._where(name, function)}: {what} is annotated with "
                 f"{getattr(annotation, '__name__', annotation)}, which is none of: bool, Nat, a "
-                f"sort ({sorts}), frozenset[SORT]"
+                f"sort ({sorts}), frozenset[SORT], frozenset[tuple[SORT, SORT]]"
             )
         return found
+
+
+def _membership(relation: Callable[[Any], Collection[tuple[Any, ...]]]) -> Callable[..., bool]:
+    """The relation as a function of its two sides."""
+
+    @functools.wraps(relation)
+    def holds(state: Any, first: Any, second: Any) -> bool:
+        return (first, second) in relation(state)
+
+    return holds
 
 
 def _shown(path: str) -> str:
     """A path as the user may have written it: relative if it is below the current folder."""
     relative = os.path.relpath(path)
     return path if relative.startswith("..") else relative
-
-
-_SETS = (frozenset, set, collections.abc.Set, collections.abc.Collection, collections.abc.Sequence)
-
-
-def _of_object(annotation: Any, sorts: Mapping[str, type]) -> Type | None:
-    """The type that an evaluated annotation stands for."""
-    if annotation is bool:
-        return BOOL
-    if annotation is Nat:
-        return NAT
-    for name, cls in sorts.items():
-        if annotation is cls:
-            return Type(name)
-    if isinstance(annotation, typing.ForwardRef):
-        return _of_text(annotation.__forward_arg__, {}, sorts)
-    if isinstance(annotation, types.GenericAlias | typing._GenericAlias):  # type: ignore[attr-defined]
-        origin = typing.get_origin(annotation)
-        arguments = typing.get_args(annotation)
-        many = origin in _SETS or origin is list
-        if origin is tuple and len(arguments) == 2 and arguments[1] is Ellipsis:
-            many, arguments = True, arguments[:1]
-        if many and len(arguments) == 1:
-            inner = arguments[0]
-            element = (
-                _of_text(inner, {}, sorts) if isinstance(inner, str) else _of_object(inner, sorts)
-            )
-            return Type(element.name, True) if element and not element.is_set else None
-    return None
-
-
-def _of_text(annotation: str, namespace: dict[str, Any], sorts: Mapping[str, type]) -> Type | None:
-    """The same for an annotation that is a string (`from __future__ import annotations`).
-
-    A sort counts by its name even where the function's module does not have it, for
-    instance because it imports it for the type checker only.
-    """
-    known: dict[str, Any] = {"bool": bool, "frozenset": frozenset, "set": set, "tuple": tuple}
-    known |= {"list": list, "Nat": Nat, **namespace, **sorts}
-    try:
-        ast.parse(annotation, mode="eval")
-        value = eval(annotation, {"__builtins__": {}}, known)
-    except Exception:
-        return None
-    return _of_object(value, sorts)

@@ -35,8 +35,12 @@ _NAME = re.compile(r"[A-Za-z_]\w*")
 SUFFIX = ".sketch"
 """How the names of sketches end."""
 
+PDDL = ".pddl"
+"""How the names of PDDL files end."""
+
 MAX_BYTES = 4 * MAX_CHARACTERS
 """Bytes of a sketch that are read: four a character at most."""
+_DOMAIN_PDDL = "domain.pddl"
 _HERE = Path(__file__).resolve().parent.parent / "domains"
 
 
@@ -55,21 +59,32 @@ class Loaded:
         return all(found.severity is not Severity.ERROR for found in self.diagnostics)
 
 
-def load_sketch(target: str, domain_file: str | None = None) -> Loaded:
+def load_sketch(
+    target: str, domain_file: str | None = None, domain: Domain | None = None
+) -> Loaded:
     """Read, parse and check a sketch: a path, `-` for standard input, or a built-in name.
 
-    `domain_file` is a Python file with a domain to use besides the installed ones. Raises
+    `domain_file` is a Python file with a domain to use besides the installed ones, or a PDDL file
+    with the domain to use; `domain` is the one to use whatever the sketch names. Raises
     `InputError` if the text or that file cannot be had.
     """
-    extra = domains_of_file(domain_file) if domain_file is not None else {}
-    return load_text(load_source(target), extra)
+    extra: dict[str, Domain] = {}
+    if domain_file is not None and domain_file.endswith(PDDL):
+        domain = pddl_domain(domain_file)
+    elif domain_file is not None:
+        extra = domains_of_file(domain_file)
+    return load_text(load_source(target), extra, domain)
 
 
-def load_text(source: Source, extra: dict[str, Domain] | None = None) -> Loaded:
+def load_text(
+    source: Source, extra: dict[str, Domain] | None = None, domain: Domain | None = None
+) -> Loaded:
     """The same for a text that is at hand, with domains that are found before others."""
     parsed, diagnostics = parse(source)
     parsed, more = read_includes(parsed)
-    domain, missing = find_domain(parsed, extra or {})
+    missing: list[Diagnostic] = []
+    if domain is None:
+        domain, missing = find_domain(parsed, extra or {})
     checked, found = check(parsed, domain)
     everything = [*diagnostics, *more, *missing, *found]
     main = source.name
@@ -215,9 +230,12 @@ def find_domain(
     name = item.name.text
     label = Label(source, item.name.span)
     try:
+        if item.quoted:
+            return _pddl_beside(name, source), []
         found = extra.get(name) or load_domain(name)
     except InputError as error:
-        return None, [Diagnostic("broken-domain", error.message, label)]
+        message = f"{error.place}: {error.message}" if item.quoted else error.message
+        return None, [Diagnostic("broken-domain", message, label, hint=error.hint)]
     if found is not None:
         return found, []
     names = sorted({*extra, *domain_names()})
@@ -225,6 +243,25 @@ def find_domain(
         "Domains found: " + ", ".join(names) + ". A file with another one is given with --domain."
     )
     return None, [Diagnostic("unknown-domain", f"there is no domain `{name}`", label, hint=hint)]
+
+
+def _pddl_beside(target: str, source: Source) -> Domain:
+    """The domain of a PDDL file that a sketch names by its path from there."""
+    base = Path() if source.name == "<stdin>" else Path(source.name).parent
+    path = base / target
+    if path.suffix != PDDL:
+        message = f"only files ending in {PDDL} are used by path"
+        raise InputError(message, place=path.as_posix(), hint=f"Write `use {path.stem}`.")
+    if not path.exists() and (_HERE.parent / path).exists():
+        path = _HERE.parent / path
+    return pddl_domain(path.as_posix())
+
+
+def pddl_domain(path: str) -> Domain:
+    """The domain of a PDDL file. Raises `InputError` with what is wrong with it, and where."""
+    # By name: the language knows no domain, as long as none is asked for.
+    found: Domain = importlib.import_module("domains.pddl.interface").interface_of(path)
+    return found
 
 
 def _use(parsed: tree.Tree) -> tuple[tree.Use, Source] | None:
@@ -243,8 +280,11 @@ def load_domain(name: str) -> Domain | None:
     """The domain of a name: one that comes along, or one that a package offers."""
     # Built-in ones first, by their module: looking through all packages takes longer than
     # all the rest of a check.
-    if _NAME.fullmatch(name) and (_HERE / name / "__init__.py").exists():
-        return _import_domain(f"domains.{name}", "domain", name)
+    if _NAME.fullmatch(name):
+        if (_HERE / name / _DOMAIN_PDDL).exists():
+            return pddl_domain(f"{_HERE / name / _DOMAIN_PDDL}")
+        if (_HERE / name / "__init__.py").exists() and name != "pddl":
+            return _import_domain(f"domains.{name}", "domain", name)
     for entry in _entry_points():
         if entry.name == name:
             return _import_domain(entry.module, entry.attr, name)
@@ -253,7 +293,8 @@ def load_domain(name: str) -> Domain | None:
 
 def domain_names() -> list[str]:
     """Names of all domains that a sketch can use without `--domain`."""
-    own = {path.parent.name for path in _HERE.glob("*/__init__.py")}
+    own = {path.parent.name for path in _HERE.glob("*/__init__.py")} - {"pddl"}
+    own |= {path.parent.name for path in _HERE.glob(f"*/{_DOMAIN_PDDL}")}
     return sorted(own | {entry.name for entry in _entry_points()})
 
 

@@ -30,6 +30,23 @@ def held(state: State, b: Block) -> bool:
 
 
 @domain.function
+def on(state: State) -> frozenset[tuple[Block, Block]]:
+    """The pairs of a block and the one that it lies on."""
+    blocks, below = state.task.blocks, state.below
+    return frozenset((b, blocks[below[b.number]]) for b in blocks if below[b.number] >= 0)
+
+
+@domain.goal("on")
+def wanted(state: State) -> frozenset[tuple[Block, Block]]:
+    """The pairs of a block and the one that it shall lie on."""
+    return frozenset(
+        (b, state.task.blocks[wanted])
+        for b, wanted in zip(state.task.blocks, state.task.goal, strict=True)
+        if wanted is not None
+    )
+
+
+@domain.function
 def above(state: State, b: Block) -> Nat:
     """How many blocks lie above the block."""
     return state.above(b.number)
@@ -63,10 +80,12 @@ def covering(state: State, b: Block) -> Nat:
     return state.above(b.number) + (0 if support is None else state.above(support))
 
 
-@domain.atom
-def on(state: State) -> Iterable[Hashable]:
+def supports(state: State) -> Iterable[Hashable]:
     """What every block lies on: a block, the table, or the hand."""
     yield from (("on", number, below) for number, below in enumerate(state.below))
+
+
+domain.atoms["on"] = supports
 
 
 @domain.scenes

@@ -78,16 +78,20 @@ class Guide:
             found += [(family, atom) for atom in function(state)]
         return tuple(found)
 
-    def is_goal(self, values: Values) -> bool:
-        """Whether feature values satisfy the sketch's goal."""
+    def is_goal(self, values: Values, state: State) -> bool:
+        """Whether a state with these feature values is a goal state: by the domain's own test
+        where it has one, else by the sketch's goal."""
+        if self.sketch.goal_test is not None:
+            return self.sketch.goal_test(state)
         return self.model.is_goal(values)
 
-    def fired(self, before: Values, after: Values) -> str | None:
-        """The rule that a pair of states satisfies, `GOAL` for a goal state, else None."""
+    def fired(self, before: Values, after: Values, state: State) -> str | None:
+        """The rule that a pair of states satisfies, the second of which is `state`; `GOAL` for a
+        goal state, else None."""
         for rule in self.model.rules:
             if rule.satisfied_by(before, after):
                 return rule.name
-        return GOAL if self.model.is_goal(after) else None
+        return GOAL if self.is_goal(after, state) else None
 
     def applicable(self, values: Values) -> list[str]:
         """Names of the rules whose conditions hold."""

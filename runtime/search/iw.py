@@ -57,7 +57,7 @@ def iw(query: Query) -> tuple[Node, str] | None:
             effort.generated += 1
             atoms = guide.atoms(state)
             if table.is_novel(atoms):
-                rule = guide.fired(query.before, guide.values(state))
+                rule = guide.fired(query.before, guide.values(state), state)
                 candidates.append((rule is None, len(candidates), action, state, atoms, rule))
         candidates.sort(key=lambda candidate: candidate[:2])
         for _, _, action, state, atoms, rule in candidates:

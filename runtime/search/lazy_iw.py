@@ -115,7 +115,7 @@ class LazyIW:
             known = child is not None
             if child is None:
                 child = LazyNode(state, self._tuples(state), depth=node.depth + 1)
-                child.rule = self.guide.fired(self.before, self.guide.values(state))
+                child.rule = self.guide.fired(self.before, self.guide.values(state), state)
                 self.nodes[state] = child
             edge = Edge(node, child, action)
             node.children.append(edge)

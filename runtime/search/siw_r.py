@@ -13,7 +13,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -55,8 +55,20 @@ Search = Callable[[Query], "tuple[list[Step], str] | None"]
 """Looks for a subgoal of a state: the steps to it and the rule that it satisfies."""
 
 
+@runtime_checkable
+class Searching(Protocol):
+    """A subproblem that does IW(k) itself, since it knows a quicker way. All its actions are
+    executable, so there is nothing to be lazy about."""
+
+    def search(self, query: Query) -> tuple[list[Step], str] | None:
+        """The steps to a subgoal and the rule that it satisfies."""
+        ...
+
+
 def eager(query: Query) -> tuple[list[Step], str] | None:
     """The search of SIW_R: every edge is validated before the search goes on."""
+    if isinstance(query.subproblem, Searching):
+        return query.subproblem.search(query)
     found = iw(query)
     if found is None:
         return None
@@ -66,6 +78,8 @@ def eager(query: Query) -> tuple[list[Step], str] | None:
 
 def lazy(query: Query) -> tuple[list[Step], str] | None:
     """The search of Lazy-SIIW_R: only the actions of potential subplans are validated."""
+    if isinstance(query.subproblem, Searching):
+        return query.subproblem.search(query)
     found = LazyIW(query).run()
     if found is None:
         return None
@@ -88,7 +102,7 @@ def serialize(
     try:
         while True:
             values = guide.values(outcome.state)
-            if guide.is_goal(values):
+            if guide.is_goal(values, outcome.state):
                 outcome.solved = True
                 break
             outcome.rejections = []

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from sketchlang.check.choices import foreign_function, offered, signature
 from sketchlang.check.declarations import Declarations, Placed
 from sketchlang.check.report import Report
-from sketchlang.check.typed import Node, Store
+from sketchlang.check.typed import OPEN, Node, Store
 from sketchlang.diagnostics import Label
 from sketchlang.domain import Domain, Function
 from sketchlang.source import Source, Span
@@ -63,6 +63,7 @@ class Calls(ABC):
     declarations: Declarations
     domain: Domain | None
     functions: Mapping[str, Function]
+    goals: Mapping[str, Function]
     report: Report
     features: Mapping[str, int]
     store: Store = field(default_factory=Store)
@@ -75,6 +76,57 @@ class Calls(ABC):
     @abstractmethod
     def node(self, expr: tree.Expr, scope: Scope) -> Node:
         """The node of an expression; of type UNKNOWN where a mistake was reported."""
+
+    @abstractmethod
+    def expect(self, expr: tree.Expr, wanted: Type, what: str, scope: Scope) -> Node:
+        """The node of an expression that has to be of a given type."""
+
+    @abstractmethod
+    def is_image(self, expr: tree.Call, function: Function) -> bool:
+        """Whether a call is one of a relation: arguments may be left open, or sets."""
+
+    @abstractmethod
+    def image(self, expr: tree.Call, function: Function, scope: Scope) -> Node:
+        """The truth value, set or relation that such a call stands for."""
+
+    @abstractmethod
+    def applied(
+        self,
+        relation: Node,
+        sign: str,
+        arguments: tuple[tree.Expr, ...],
+        place: Label,
+        scope: Scope,
+    ) -> Node:
+        """A relation with arguments."""
+
+    @abstractmethod
+    def builtin(self, expr: tree.Call, scope: Scope) -> Node | None:
+        """A call of a function of the language itself; None for other names."""
+
+    def fits(self, given: Type, wanted: Type) -> bool:
+        """Whether a value may be of a type: something can be of both sorts."""
+        if given == wanted or UNKNOWN in (given, wanted):
+            return True
+        if not (given.is_element and wanted.is_element) or self.domain is None:
+            return False
+        return self.domain.overlap(given.name, wanted.name)
+
+    def joined(self, first: Type, second: Type) -> Type | None:
+        """The lowest type above two types; None if there is none."""
+        if first == second:
+            return first
+        alike = first.is_set == second.is_set and first.is_relation == second.is_relation
+        sorts = self.domain_sorts()
+        if not alike or self.domain is None or not {first.name, second.name} <= sorts:
+            return None
+        name = self.domain.above(first.name, second.name)
+        to = None
+        if first.to is not None and second.to is not None:
+            to = self.domain.above(first.to, second.to)
+        if name is None or (first.is_relation and to is None):
+            return None
+        return Type(name, first.is_set, to)
 
     def too_deep(self, place: Label) -> None:
         """Report nesting that no evaluator could follow."""
@@ -133,18 +185,38 @@ class Calls(ABC):
         if name in self.declarations.defines and not meant:
             return self._define(expr, scope)
         if function is not None:
-            wanted = function.parameters
-            arguments = self._arguments(expr, wanted, None, f"`{name}`", scope)
-            if arguments is None:
-                return self.store.node("unknown", function.result, place)
-            return self.store.call(function, arguments, place)
+            return self.function_call(expr, function, scope)
+        builtin = self.builtin(expr, scope)
+        if builtin is not None:
+            return builtin
         # What stands in a call of another language's is not written for this one.
         self.report.muted += foreign_function(name) is not None
         for argument in expr.arguments:
-            self.node(argument, scope)
+            if not (isinstance(argument, tree.Call) and argument.name.text == OPEN):
+                self.node(argument, scope)
         self.report.muted -= foreign_function(name) is not None
         self._undefined(expr.name, scope)
         return self.unknown(place)
+
+    def function_call(self, expr: tree.Call, function: Function, scope: Scope) -> Node:
+        """The node of a call of a domain's function, or of what its goal says."""
+        place = scope.label(expr.span)
+        if self.is_image(expr, function):
+            return self.image(expr, function, scope)
+        what = f"`{expr.name.text}`"
+        arguments = self._arguments(expr, function.parameters, None, what, scope, function)
+        if arguments is None:
+            return self.store.node("unknown", function.result, place)
+        return self.store.call(function, arguments, place)
+
+    def no_goal(self, name: str, place: Label) -> None:
+        """Report a name after `goal` that the goal says nothing of."""
+        hint = did_you_mean(name, self.goals)
+        if hint is None and self.goals:
+            hint = "Known: " + ", ".join(f"`goal {goal}`" for goal in sorted(self.goals)[:8]) + "."
+        where = f" of domain {self.domain.name}" if self.domain is not None else ""
+        message = f"the goal{where} says nothing of `{name}`"
+        self.report.add("undefined-name", message, place, hint=hint)
 
     def _undefined(self, name: tree.Name, scope: Scope) -> None:
         text, declarations = name.text, self.declarations
@@ -200,6 +272,10 @@ class Calls(ABC):
         declared = self.declarations.defines[name]
         wanted = tuple(self.parameter_type(p) for p in declared.item.parameters)
         label = declared.label(declared.item.name.span, "defined here")
+        if not wanted and expr.arguments and name not in self.circular:
+            relation = self.unfold(name, (), scope.level)
+            if relation.type.is_relation:
+                return self.applied(relation, "", expr.arguments, place, scope)
         arguments = self._arguments(expr, wanted, label, f"`{name}`", scope)
         if arguments is None or name in self.circular:
             return self.unknown(place)
@@ -215,6 +291,7 @@ class Calls(ABC):
         declared: Label | None,
         what: str,
         scope: Scope,
+        function: Function | None = None,
     ) -> tuple[Node, ...] | None:
         """The nodes of a call's arguments, or None if they do not fit."""
         given = [self.node(argument, scope) for argument in expr.arguments]
@@ -226,12 +303,12 @@ class Calls(ABC):
                 f"{what} {takes}{len(given) or 'none'} given",
                 scope.label(expr.span),
                 *origin,
-                hint=None if declared else signature(expr.name.text, self.functions, given),
+                hint=None if function is None else signature(function, self.functions, given),
             )
             return None
         fits = True
         for number, (node, type_) in enumerate(zip(given, wanted, strict=True), 1):
-            if UNKNOWN not in (node.type, type_) and node.type != type_:
+            if not self.fits(node.type, type_):
                 self.report.add(
                     "wrong-argument",
                     f"argument {number} of {what} must be of type {type_}, this is {a(node.type)}",
@@ -298,7 +375,7 @@ def a(type_: Type) -> str:
         return "a Boolean"
     if type_ == NAT:
         return "a number"
-    if type_.is_set:
+    if type_.is_set or type_.is_relation:
         return f"a {type_}"
     article = "an" if type_.name[0] in "AEIOU" else "a"
     return f"{article} {type_.name}"

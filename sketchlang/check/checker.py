@@ -69,7 +69,10 @@ class _Checker:
         self.is_part = declared.title is None and "sketch" not in declared.broken_items
         self.functions: Mapping[str, Function] = self._functions()
         self.index = {name: i for i, name in enumerate(self.declarations.features)}
-        self.typer = Typer(self.declarations, domain, self.functions, self.report, self.index)
+        goals = domain.goals if domain is not None and self.functions else {}
+        self.typer = Typer(
+            self.declarations, domain, self.functions, goals, self.report, self.index
+        )
 
     def run(self) -> CheckedSketch:
         declarations = self.declarations

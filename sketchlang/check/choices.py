@@ -44,9 +44,9 @@ def offered(domain: str, functions: Mapping[str, Function], sets: bool) -> str |
     return f"{what} of {domain}: {listed}{more}"
 
 
-def signature(name: str, functions: Mapping[str, Function], given: Sequence[Node]) -> str:
+def signature(function: Function, functions: Mapping[str, Function], given: Sequence[Node]) -> str:
     """What a function takes, and how an element comes to it that was left out."""
-    function = functions[name]
+    name = function.name
     hint = f"It is `{function}`."
     if given or len(function.parameters) != 1:
         return hint

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from sketchlang.check.calls import Binding, Calls, Scope, a
+from sketchlang.check.calls import Binding, Scope, a
+from sketchlang.check.sets import SetTyper
 from sketchlang.check.typed import Node
 from sketchlang.diagnostics import Label
 from sketchlang.source import Span
@@ -19,13 +20,13 @@ _OPERATION = {"->": BOOL, "or": BOOL, "and": BOOL, "not": BOOL, "+": NAT}
 _MIRROR = {">": "<", ">=": "<="}
 
 
-class Typer(Calls):
+class Typer(SetTyper):
     """Turns expressions into nodes."""
 
     def expect(self, expr: tree.Expr, wanted: Type, what: str, scope: Scope) -> Node:
         """The node of an expression that has to be of a given type."""
         node = self.node(expr, scope)
-        if node.kind == "unknown" or UNKNOWN in (node.type, wanted) or node.type == wanted:
+        if node.kind == "unknown" or self.fits(node.type, wanted):
             return node
         self.report.add(
             "wrong-type",
@@ -56,12 +57,26 @@ class Typer(Calls):
                 return self.store.constant(value, scope.label(expr.span))
             case tree.Call():
                 return self.call(expr, scope)
+            case tree.Operation("|" | "-" | "&"):
+                return self.set_operation(expr, scope)
             case tree.Operation():
                 return self._operation(expr, scope)
             case tree.Comparison():
                 return self._comparison(expr, scope)
             case tree.Quantifier():
                 return self._quantifier(expr, scope)
+            case tree.GoalAtom():
+                return self.goal_atom(expr, scope)
+            case tree.Closure():
+                return self.closure(expr, scope)
+            case tree.Apply():
+                return self.apply(expr, scope)
+            case tree.Comprehension():
+                return self.comprehension(expr, scope)
+            case tree.Listing():
+                return self.listing(expr, scope)
+            case tree.Conditional():
+                return self.conditional(expr, scope)
 
     # Operators and comparisons.
 
@@ -77,20 +92,16 @@ class Typer(Calls):
         sign = expr.sign
         if sign == "in":
             return self._membership(expr, left, right, scope)
-        if sign in ("=", "!="):
-            if left.type.is_set or right.type.is_set:
-                culprit = expr.left if left.type.is_set else expr.right
-                self._set_as_value(scope.label(culprit.span), left if left.type.is_set else right)
+        if UNKNOWN not in (left.type, right.type):
+            both = [node.type.is_set or node.type.is_relation for node in (left, right)]
+            if all(both):
+                return self._sets(expr, left, right, scope)
+            if sign in ("=", "!=") and any(both):
+                self._mixed(expr, left, right, place)
                 return self.unknown(place)
-            if UNKNOWN not in (left.type, right.type) and left.type != right.type:
-                self.report.add(
-                    "mixed-comparison",
-                    f"{a(left.type)} cannot equal {a(right.type)}",
-                    place,
-                    *self.origin(expr.left),
-                    *self.origin(expr.right),
-                    hint=_truth_of(expr, left, right),
-                )
+        if sign in ("=", "!="):
+            if not self.fits(left.type, right.type):
+                self._mixed(expr, left, right, place)
                 return self.unknown(place)
             equal = self.store.node("=", BOOL, place, (left, right))
             return equal if sign == "=" else self.store.node("not", BOOL, place, (equal,))
@@ -108,6 +119,37 @@ class Typer(Calls):
         if sign in _MIRROR:
             sign, left, right = _MIRROR[sign], right, left
         return self.store.node(sign, BOOL, place, (left, right))
+
+    def _mixed(self, expr: tree.Comparison, left: Node, right: Node, place: Label) -> None:
+        self.report.add(
+            "mixed-comparison",
+            f"{a(left.type)} cannot equal {a(right.type)}",
+            place,
+            *self.origin(expr.left),
+            *self.origin(expr.right),
+            hint=_truth_of(expr, left, right),
+        )
+
+    def _sets(self, expr: tree.Comparison, left: Node, right: Node, scope: Scope) -> Node:
+        """Equality and inclusion of sets or relations."""
+        place, sign = scope.label(expr.span), expr.sign
+        if sign in ("<", ">"):
+            self.report.add(
+                "wrong-type",
+                f"sets cannot be compared by `{sign}`",
+                place,
+                hint="Write `<=` for a subset, or compare how many elements there are.",
+            )
+            return self.unknown(place)
+        if self.joined(left.type, right.type) is None:
+            self._mixed(expr, left, right, place)
+            return self.unknown(place)
+        if sign == ">=":
+            left, right = right, left
+        if sign in ("<=", ">="):
+            return self.store.node("subset", BOOL, place, (left, right))
+        same = self.store.node("same", BOOL, place, (left, right))
+        return same if sign == "=" else self.store.node("not", BOOL, place, (same,))
 
     def _constant_comparison(self, expr: tree.Comparison, place: Label) -> None:
         zero_left = isinstance(expr.left, tree.Number) and expr.left.value == 0
@@ -127,7 +169,7 @@ class Typer(Calls):
         if not right.type.is_set:
             self._no_set(expr.right, right, "what stands after `in`", scope)
             return self.unknown(place)
-        if left.type != right.type.element:
+        if not self.fits(left.type, right.type.element):
             self.report.add(
                 "mixed-comparison",
                 f"{a(left.type)} cannot be in a {right.type}",
@@ -149,14 +191,6 @@ class Typer(Calls):
             scope.label(expr.span),
             *self.origin(expr),
             hint=hint,
-        )
-
-    def _set_as_value(self, place: Label, node: Node) -> None:
-        self.report.add(
-            "wrong-type",
-            f"sets cannot be compared, this is a {node.type}",
-            place,
-            hint="Quantify over it: `some x in SET: ...`, `count x in SET: ...`.",
         )
 
     # Quantifiers.

@@ -19,6 +19,13 @@ def names_in(expr: tree.Expr, bound: frozenset[str]) -> Iterator[str]:
         if expr.condition is not None:
             yield from names_in(expr.condition, inner)
         yield from names_in(expr.body, inner)
+    elif isinstance(expr, tree.Comprehension):
+        inner = bound
+        for binder in expr.binders:
+            yield from names_in(binder.domain, inner)
+            inner = inner | {binder.variable.text}
+        if expr.condition is not None:
+            yield from names_in(expr.condition, inner)
     else:
         for part in tree.operands(expr):
             yield from names_in(part, bound)

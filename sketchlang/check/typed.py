@@ -28,6 +28,19 @@ class Node:
     | `call` | arguments | the `Function` |
     | `-> or and not + = != < <= in` | operands | |
     | `some all count sum min max` | set, condition, body, default or not | level of its variable |
+    | `image` | the arguments that are given | the `Function` and a pattern |
+    | `apply apply+ apply*` | relation, the arguments that are given | a pattern |
+    | `closure+ closure* inverse identity` | relation or set | |
+    | `compose restrict` | relations; relation and one or two sets | |
+    | `list` | elements | |
+    | `set` | set, condition | level of its variable |
+    | `pairs` | two sets, condition | level of its first variable |
+    | <code>&#124; - &</code> `same subset` | sets or relations | |
+    | `distance` | set, relation, set | |
+    | `if` | condition, two values | |
+
+    A pattern has a word for every argument: `_` for one that is left open, `one` for an element,
+    `many` for a set of which one has to fit.
 
     `free` are the levels of the variables it needs. `height` counts the nodes on the
     longest way down. `sound` tells that there is no part `unknown`, which stands for what was
@@ -50,7 +63,15 @@ class Node:
         return " ".join(self.place.source.text[span.start : span.end].split())
 
 
+OPEN = "_"
+"""Stands for an argument that is left open: `on(x, _)` is the set of what `x` is on."""
+
+ONE, MANY = "one", "many"
+"""What is given for an argument: an element, or a set of which one has to fit."""
+
 QUANTIFIERS = frozenset({"some", "all", "count", "sum", "min", "max"})
+BINDERS = QUANTIFIERS | {"set", "pairs"}
+"""The kinds that have a variable of their own, or two."""
 _NO_LEVELS: frozenset[int] = frozenset()
 
 
@@ -77,9 +98,9 @@ class Store:
         if kind == "variable":
             assert isinstance(value, int)
             free |= {value}
-        elif kind in QUANTIFIERS:
+        elif kind in BINDERS:
             assert isinstance(value, int)
-            free -= {value}
+            free -= {value, value + 1} if kind == "pairs" else {value}
         height = 1 + max((part.height for part in parts), default=0)
         sound = kind != "unknown" and all(part.sound for part in parts)
         made = Node(kind, type_, parts, value, free, height, sound, place)

@@ -14,9 +14,10 @@ import click
 from sketchlang import files, reading
 from sketchlang.cli.last import INTERRUPTED
 from sketchlang.diagnostics import Label
+from sketchlang.domain import Domain
 from sketchlang.errors import InputError
 from sketchlang.escape import shown_line, visible
-from sketchlang.loader import Loaded, load_sketch
+from sketchlang.loader import PDDL, Loaded, load_sketch, pddl_domain
 from sketchlang.model import Rule
 from sketchlang.source import Source, Span
 from sketchlang.syntax import tree
@@ -31,8 +32,31 @@ DEEP = 20_000
 """Calls within calls that proofs with very many steps may need."""
 
 domain_option = click.option(
-    "--domain", "domain_file", metavar="FILE.py", help="A Python file with a domain."
+    "--domain",
+    "domain_file",
+    metavar="FILE",
+    help="A Python file with a domain, or the PDDL file to check against.",
 )
+domain_pddl_option = click.option(
+    "--domain-pddl",
+    metavar="FILE",
+    help="The domain of a PDDL task; without it, `domain.pddl` beside the task.",
+)
+
+
+def pddl_of(task: str, domain_pddl: str | None) -> Domain | None:
+    """The domain of a PDDL task; None if what is named is none. Ends the command if the domain's
+    file cannot be had."""
+    if not task.endswith(PDDL):
+        if domain_pddl is not None:
+            fail("--domain-pddl: the scene is no PDDL task (its name does not end in .pddl)")
+        return None
+    from domains.pddl.interface import domain_beside
+
+    try:
+        return pddl_domain(domain_pddl or str(domain_beside(task)))
+    except InputError as error:
+        fail(error)
 
 
 def trace_options(command: Callable[P, R]) -> Callable[P, R]:
@@ -77,10 +101,11 @@ def fail(problem: str | Exception, hint: str | None = None) -> NoReturn:
     sys.exit(2)
 
 
-def load_valid(file: str, domain_file: str | None = None) -> Loaded:
-    """The sketch of a file; ends the command if it cannot be read or has errors."""
+def load_valid(file: str, domain_file: str | None = None, domain: Domain | None = None) -> Loaded:
+    """The sketch of a file, checked against `domain` whatever it names, or against the domain that
+    it names; ends the command if it cannot be read or has errors."""
     try:
-        loaded = load_sketch(file, domain_file)
+        loaded = load_sketch(file, domain_file, domain)
     except InputError as error:
         fail(error)
     if not loaded.ok:

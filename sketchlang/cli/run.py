@@ -12,9 +12,11 @@ from sketchlang.cli.common import (
     Number,
     check_outputs,
     domain_option,
+    domain_pddl_option,
     fail,
     interruptible,
     load_valid,
+    pddl_of,
     say,
 )
 
@@ -28,6 +30,7 @@ Examples:
   sketchlang run pick_and_place sorting/4t-07
   sketchlang run pick_and_place sorting/3t-02 --seed 7 --out plan.json
   sketchlang run my.sketch my-scene.toml --timeout 30 --json
+  sketchlang run childsnack task.pddl --out plan.txt
 """
 )
 @click.argument("sketch")
@@ -59,6 +62,7 @@ Examples:
 @click.option("--out", type=click.Path(path_type=Path, dir_okay=False), help="Write the plan here.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else.")
 @domain_option
+@domain_pddl_option
 @interruptible
 def command(
     sketch: str,
@@ -71,8 +75,9 @@ def command(
     out: Path | None,
     as_json: bool,
     domain_file: str | None,
+    domain_pddl: str | None,
 ) -> None:
-    """Plan SCENE with SKETCH: names of built-in ones, or paths.
+    """Plan SCENE with SKETCH: names of built-in ones, or paths. SCENE may be a PDDL task.
 
     Exit 0: solved. 1: no plan found. 2: bad input.
     """
@@ -80,8 +85,8 @@ def command(
     from sketchlang.domain import SceneError
     from sketchlang.errors import InputError
 
-    loaded = load_valid(sketch, domain_file)
-    check_outputs((sketch, scene, robot, domain_file), {"--out": out})
+    loaded = load_valid(sketch, domain_file, pddl_of(scene, domain_pddl))
+    check_outputs((sketch, scene, robot, domain_file, domain_pddl), {"--out": out})
     try:
         report = _run(loaded, scene, planner, seed, timeout, k_max, robot, out, as_json)
     except (InputError, SceneError) as error:

@@ -5,10 +5,11 @@ from __future__ import annotations
 import json
 import time
 from pathlib import Path
+from typing import NoReturn
 
 import click
 
-from sketchlang.cli.common import fail, interruptible, say
+from sketchlang.cli.common import domain_pddl_option, fail, interruptible, say
 
 
 @click.command(
@@ -16,23 +17,31 @@ from sketchlang.cli.common import fail, interruptible, say
 Examples:
   sketchlang validate plan.json
   sketchlang validate plan.json --scene my-scene.toml --robot my-robot.toml
+  sketchlang validate plan.txt --scene task.pddl
 """
 )
 @click.argument("plan", type=click.Path(path_type=Path))
 @click.option("--scene", help="The scene, where the plan does not name a built-in one.")
 @click.option("--robot", help="The robot, where the plan does not name a built-in one.")
+@domain_pddl_option
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else.")
 @interruptible
-def command(plan: Path, scene: str | None, robot: str | None, as_json: bool) -> None:
-    """Replay PLAN in exact geometry, independently of the planner.
+def command(
+    plan: Path, scene: str | None, robot: str | None, domain_pddl: str | None, as_json: bool
+) -> None:
+    """Replay PLAN in exact geometry, independently of the planner; a plan of a PDDL task by the
+    meaning of its domain.
 
     Checks joint limits and speeds, continuity, collisions of robot and objects at a dense
     resolution, grasps, where every object ends, and the goal.
 
     Exit 0: valid. 1: not valid. 2: the file cannot be read.
     """
+    from domains.pddl.plan import is_plan
     from sketchlang.errors import InputError
 
+    if is_plan(plan):
+        _validate_pddl(plan, scene, domain_pddl, as_json)
     try:
         from domains.tabletop.scene.worlds import find_world
         from runtime.judge.certify import certify
@@ -78,3 +87,43 @@ def command(plan: Path, scene: str | None, robot: str | None, as_json: bool) -> 
                 where += f" ({action.text})"
             say(f"  {where}: {finding.message}")
     raise SystemExit(0 if certificate.valid else 1)
+
+
+def _validate_pddl(
+    plan: Path, scene: str | None, domain_pddl: str | None, as_json: bool
+) -> NoReturn:
+    """Replay a plan of a PDDL task; the task and its domain may be named in the plan's comments."""
+    from domains.pddl.interface import domain_beside
+    from domains.pddl.plan import read_plan
+    from domains.pddl.replay import replay
+    from domains.pddl.syntax.read import load, read_domain, read_task
+    from sketchlang.errors import InputError
+
+    try:
+        document = read_plan(plan)
+        task = scene or document.notes.get("task")
+        if task is None:
+            fail(f"{plan}: names no task\n  hint: give it with --scene TASK.pddl")
+        noted = document.notes.get("domain") if scene is None else None
+        domain = read_domain(load(domain_pddl or noted or domain_beside(task)))
+        verdict = replay(read_task(load(task), domain), document.steps)
+    except InputError as error:
+        fail(error)
+    if as_json:
+        found = [{"action": f.action, "message": f.message} for f in verdict.findings]
+        report = {"plan": str(plan), "scene": task, "valid": verdict.valid, "findings": found}
+        click.echo(json.dumps({**report, "actions": len(document.steps), "cost": verdict.cost}))
+    elif verdict.valid:
+        say(
+            f"{plan} is valid: {len(document.steps)} actions on {task}, cost {verdict.cost}, "
+            "goal reached"
+        )
+    else:
+        say(f"{plan} is not valid:")
+        for finding in verdict.findings:
+            where = "plan" if finding.action is None else f"action {finding.action + 1}"
+            if finding.action is not None:
+                step = document.steps[finding.action]
+                where += f" ({' '.join((step.name, *step.arguments))})"
+            say(f"  {where}: {finding.message}")
+    raise SystemExit(0 if verdict.valid else 1)

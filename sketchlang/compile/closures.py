@@ -12,8 +12,8 @@ from collections import Counter
 from collections.abc import Callable, Hashable, Iterable
 from typing import Any
 
-from sketchlang.check.typed import QUANTIFIERS, Node
-from sketchlang.compile import seam
+from sketchlang.check.typed import BINDERS, QUANTIFIERS, Node
+from sketchlang.compile import seam, sets
 from sketchlang.compile.quantifiers import quantifier
 from sketchlang.compile.seam import Frame, Run
 from sketchlang.domain import Domain, Function
@@ -94,6 +94,8 @@ class Compiler:
             return quantifier(
                 kind, slot, parts[0], condition=condition, body=parts[2], default=default
             )
+        if kind in sets.KINDS:
+            return sets.compiled(node, parts, self.domain, self.layout.variable)
         return _operator(kind, parts)
 
     def _call(self, node: Node) -> seam.Call:
@@ -190,8 +192,10 @@ def _all(roots: Iterable[Node]) -> Iterable[Node]:
 
 
 def _level(node: Node) -> Iterable[int]:
-    if isinstance(node.value, int) and (node.kind == "variable" or node.kind in QUANTIFIERS):
+    if isinstance(node.value, int) and (node.kind == "variable" or node.kind in BINDERS):
         yield node.value
+        if node.kind == "pairs":
+            yield node.value + 1
 
 
 def _of_variables(node: Node) -> bool:
@@ -219,7 +223,7 @@ def _worth_remembering(roots: list[Node]) -> list[Node]:
         uses.update(_shape(part) for part in node.parts)
     costly: set[Node] = set()
     for node in sorted(nodes, key=lambda node: node.height):
-        if node.kind == "call" or any(part in costly for part in node.parts):
+        if node.kind in ("call", "image") or any(part in costly for part in node.parts):
             costly.add(node)
     remembered = {node: None for node in nodes if node in costly and uses[_shape(node)] > 1}
     for node in nodes:

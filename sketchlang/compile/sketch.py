@@ -32,13 +32,15 @@ class CompiledSketch:
     `evaluate(state)` returns one value a feature, Booleans as 0 and 1, and raises
     `EvaluationError` where a domain function or an invariant breaks its promise.
     `atoms` are the functions that list the novelty atoms of a state. `functions[i]` are the
-    domain functions that feature i depends on.
+    domain functions that feature i depends on. `goal_test` is the domain's own test, if it has
+    one, that stands in for the sketch's goal when a plan is searched.
     """
 
     model: SketchModel
     evaluate: Callable[[Any], tuple[int, ...]]
     atoms: tuple[Callable[[Any], Iterable[Hashable]], ...]
     functions: tuple[tuple[Function, ...], ...] = ()
+    goal_test: Callable[[Any], bool] | None = None
 
     @cached_property
     def ignores(self) -> frozenset[str]:
@@ -93,12 +95,19 @@ def obstacles(checked: CheckedSketch) -> list[Diagnostic]:
     ]
 
 
-def compile_sketch(checked: CheckedSketch) -> CompiledSketch:
-    """The evaluators of a sketch that has no errors and no `obstacles`."""
+def compile_sketch(checked: CheckedSketch, plain: bool = False) -> CompiledSketch:
+    """The evaluators of a sketch that has no errors and no `obstacles`. With `plain`, they are
+    the compiler's own even where the domain has quicker ones."""
     domain = checked.domain
     definitions = [definition for definition in checked.definitions if definition is not None]
     if domain is None or len(definitions) != len(checked.definitions):
         raise ValueError("; ".join(found.message for found in obstacles(checked)))
+    families = [(name, domain.atoms[name]) for name in checked.atoms]
+    if not families and domain.default_atoms is not None:
+        families = [("all", domain.default_atoms)]
+    atoms = tuple(_guarded(family, name) for name, family in families)
+    if domain.evaluator is not None and not plain:
+        return CompiledSketch(checked.model, domain.evaluator(checked), atoms, (), domain.goal_test)
     layout = Layout(len(definitions), definitions)
     evaluators = []
     for careful in (True, False):
@@ -110,9 +119,8 @@ def compile_sketch(checked: CheckedSketch) -> CompiledSketch:
                 run = _as_number(run)
             steps.append((layout.feature(index), run))
         evaluators.append(_evaluator(checked, layout, steps))
-    atoms = tuple(_guarded(domain.atoms[name], name) for name in checked.atoms)
     used = _functions(definitions)
-    return CompiledSketch(checked.model, _alternating(*evaluators), atoms, used)
+    return CompiledSketch(checked.model, _alternating(*evaluators), atoms, used, domain.goal_test)
 
 
 def _functions(definitions: Sequence[Node]) -> tuple[tuple[Function, ...], ...]:
@@ -128,8 +136,9 @@ def _functions(definitions: Sequence[Node]) -> tuple[tuple[Function, ...], ...]:
                 continue
             seen.add(node)
             pending += node.parts
-            if isinstance(node.value, Function):
-                functions[node.value.name] = node.value
+            value = node.value[0] if node.kind == "image" else node.value  # type: ignore[index]
+            if isinstance(value, Function):
+                functions[value.name] = value
             elif node.kind == "feature" and isinstance(node.value, int):
                 pending.append(definitions[node.value])
         found.append(functions)

@@ -57,8 +57,10 @@ class _Builder(Transformer_NonRecursive[Token, Any]):
     def sketch(self, meta: Meta, name: Token) -> tree.Title:
         return tree.Title(_name(name), _whole(meta))
 
-    def use(self, meta: Meta, name: Token) -> tree.Use:
-        return tree.Use(_name(name), _whole(meta))
+    def use(self, meta: Meta, target: Token) -> tree.Use:
+        quoted = target.type == "STRING"
+        text = target[1:-1] if quoted else str(target)
+        return tree.Use(tree.Name(text, span(target)), _whole(meta), quoted)
 
     def include(self, meta: Meta, target: Token) -> tree.Include:
         quoted = target.type == "STRING"
@@ -120,6 +122,42 @@ class _Builder(Transformer_NonRecursive[Token, Any]):
     def add(self, meta: Meta, *operands: tree.Expr) -> tree.Operation:
         return tree.Operation("+", operands, _whole(meta))
 
+    def combine(self, meta: Meta, left: tree.Expr, sign: Token, right: tree.Expr) -> tree.Operation:
+        return tree.Operation(_sign(sign), (left, right), _whole(meta))
+
+    def intersect(self, meta: Meta, *operands: tree.Expr) -> tree.Operation:
+        return tree.Operation("&", operands, _whole(meta))
+
+    def goal_atom(self, meta: Meta, call: tree.Call) -> tree.GoalAtom:
+        return tree.GoalAtom(call, _whole(meta))
+
+    def closure(self, meta: Meta, relation: tree.Expr, sign: Token) -> tree.Closure:
+        return tree.Closure(relation, str(sign), _whole(meta))
+
+    def apply(
+        self, meta: Meta, relation: tree.Closure, arguments: tuple[tree.Expr, ...]
+    ) -> tree.Expr:
+        if relation.sign == "+" and len(arguments) == 1:
+            # `a+(b)` is a sum that was written without spaces.
+            return tree.Operation("+", (relation.relation, arguments[0]), _whole(meta))
+        return tree.Apply(relation, arguments, _whole(meta))
+
+    def binder(self, meta: Meta, variable: Token, _in: Token, domain: tree.Expr) -> tree.Binder:
+        return tree.Binder(_name(variable), domain, _whole(meta))
+
+    def comprehension(self, meta: Meta, *children: Any) -> tree.Comprehension:
+        binders = tuple(child for child in children if isinstance(child, tree.Binder))
+        condition = children[len(binders)] if len(children) > len(binders) else None
+        return tree.Comprehension(binders, condition, _whole(meta))
+
+    def listing(self, meta: Meta, elements: tuple[tree.Expr, ...]) -> tree.Listing:
+        return tree.Listing(elements, _whole(meta))
+
+    def conditional(
+        self, meta: Meta, condition: tree.Expr, first: tree.Expr, second: tree.Expr
+    ) -> tree.Conditional:
+        return tree.Conditional(condition, first, second, _whole(meta))
+
     def compare(
         self, meta: Meta, left: tree.Expr, sign: Token, right: tree.Expr, *more: Any
     ) -> tree.Comparison:
@@ -148,7 +186,7 @@ class _Builder(Transformer_NonRecursive[Token, Any]):
         return found
 
     def quantifier(
-        self, meta: Meta, kind: Token, variable: Token, _in: Token, domain: tree.Call, *rest: Any
+        self, meta: Meta, kind: Token, variable: Token, _in: Token, domain: tree.Expr, *rest: Any
     ) -> tree.Quantifier:
         *parts, last = rest
         default = last[0] if isinstance(last, _Default) else None

@@ -80,8 +80,9 @@ FOREIGN = {
     "any": "some",
     "forall": "all",
     "every": "all",
-    "if": "->",
     "implies": "->",
+    "&&": "and",
+    "||": "or",
     "int": "nat",
     "integer": "nat",
     "boolean": "bool",
@@ -92,11 +93,12 @@ _WORDS = grammar.spellings() | {
     "NAME": "a name",
     "NUMBER": "a number",
     "STRING": "a quoted path",
+    "CLOSURE": "+",
 }
 _DESCRIPTIONS = {"NAME", "NUMBER", "STRING"}
 _EXPRESSION = frozenset({"NAME", "NUMBER", "TRUE", "_LPAR", "SOME"})
 _COMPARISONS = frozenset({"EQ", "NE", "LT", "LE", "GT", "GE", "IN"})
-_OPERATORS = _COMPARISONS | {"_AND", "_OR", "_ARROW", "_PLUS"}
+_OPERATORS = _COMPARISONS | {"_AND", "_OR", "_ARROW", "_PLUS", "BAR", "MINUS", "_AMP"}
 
 ITEM_KINDS = frozenset(kind for kind, word in grammar.spellings().items() if word in ITEMS)
 """The terminals that items begin with."""
@@ -157,10 +159,10 @@ def _expected(stuck: StuckError) -> str:
     if expected >= _EXPRESSION:
         parts.append("an expression")
         expected -= {"NAME", "NUMBER", "TRUE", "FALSE", "_LPAR", "NOT", "SOME", "ALL"}
-        expected -= {"COUNT", "SUM", "MIN", "MAX"}
+        expected -= {"COUNT", "SUM", "MIN", "MAX", "_GOAL", "_IF", "_LBRACE"}
     if expected >= _OPERATORS:
         parts.append("an operator")
-        expected -= _OPERATORS
+        expected -= _OPERATORS | {"CLOSURE"}
     elif expected >= _COMPARISONS - {"IN"}:
         parts.append("a comparison")
         expected -= _COMPARISONS

@@ -97,7 +97,7 @@ class _Parser:
         for number in range(place + 1, len(tokens)):
             # A word at the margin, further on: rather an item of its own than part of this one.
             other = tokens[number]
-            if other.column == 1 and other.type == "NAME":
+            if other.column == 1 and other.type in {"NAME", "_IF"}:
                 self._explain(tokens[:number], stuck)
                 self._piece(tokens[number:])
                 return
@@ -146,11 +146,26 @@ def _pieces(tokens: list[Token]) -> Iterator[list[Token]]:
     """The tokens, cut before every line that begins with an item keyword."""
     start = 0
     for i, token in enumerate(tokens):
-        if token.type in ITEM_KINDS and i > start and begins_line(tokens, i):
+        if (
+            token.type in ITEM_KINDS
+            and i > start
+            and begins_line(tokens, i)
+            and not _atom(tokens, i)
+        ):
             yield tokens[start:i]
             start = i
     if start < len(tokens):
         yield tokens[start:]
+
+
+def _atom(tokens: list[Token], number: int) -> bool:
+    """Whether a `goal` on an indented line is part of an expression: `goal on(x, y)`."""
+    token, following = tokens[number], tokens[number + 1 : number + 2]
+    return (
+        token.type == "_GOAL"
+        and token.column != 1
+        and any(other.type == "NAME" for other in following)
+    )
 
 
 def _broken(tokens: list[Token]) -> Broken:

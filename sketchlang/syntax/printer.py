@@ -10,8 +10,17 @@ WIDTH = 100
 INDENT = 4
 
 # How tightly an expression binds; the operands of an operator must bind more tightly.
-_IMPLIES, _OR, _AND, _NOT, _COMPARE, _ADD, _PRIMARY = range(1, 8)
-_LEVEL = {"->": _IMPLIES, "or": _OR, "and": _AND, "not": _NOT, "+": _ADD}
+_IMPLIES, _OR, _AND, _NOT, _COMPARE, _ADD, _UNION, _INTERSECT, _PRIMARY = range(1, 10)
+_LEVEL = {
+    "->": _IMPLIES,
+    "or": _OR,
+    "and": _AND,
+    "not": _NOT,
+    "+": _ADD,
+    "|": _UNION,
+    "-": _UNION,
+    "&": _INTERSECT,
+}
 
 
 def item(node: tree.Item) -> list[str]:
@@ -19,8 +28,8 @@ def item(node: tree.Item) -> list[str]:
     match node:
         case tree.Title(name):
             return [f"sketch {name.text}"]
-        case tree.Use(name):
-            return [f"use {name.text}"]
+        case tree.Use(name, quoted=quoted):
+            return [f'use "{name.text}"' if quoted else f"use {name.text}"]
         case tree.Include(target, quoted):
             return [f'include "{target}"' if quoted else f"include {target}"]
         case tree.FeatureItem():
@@ -94,7 +103,9 @@ def _assigned(head: str, expr: tree.Expr) -> list[str]:
     return [head, *_broken(expr, INDENT, "")]
 
 
-def expression(expr: tree.Expr, level: int = _IMPLIES, last: bool = True) -> str:
+def expression(  # noqa: PLR0912 (a case for every kind of expression)
+    expr: tree.Expr, level: int = _IMPLIES, last: bool = True
+) -> str:
     """An expression on one line, in parentheses if it binds less tightly than `level`.
 
     `last` tells that nothing follows that a quantifier's body could take for its own.
@@ -107,6 +118,23 @@ def expression(expr: tree.Expr, level: int = _IMPLIES, last: bool = True) -> str
         case tree.Call(name, arguments):
             listed = ", ".join(map(expression, arguments))
             return f"{name.text}({listed})" if arguments else name.text
+        case tree.GoalAtom(call):
+            return f"goal {expression(call)}"
+        case tree.Closure(relation, sign):
+            inner = expression(relation)
+            simple = isinstance(relation, tree.Call | tree.GoalAtom)
+            return f"{inner}{sign}" if simple else f"({inner}){sign}"
+        case tree.Apply(closure, arguments):
+            return f"{expression(closure)}({', '.join(map(expression, arguments))})"
+        case tree.Listing(elements):
+            # `{ (x in A) }` would be read as `x` of `A` without the parentheses.
+            return f"{{ {', '.join(expression(element, _ADD) for element in elements)} }}"
+        case tree.Comprehension(binders, condition):
+            bound = ", ".join(
+                f"{b.variable.text} in {expression(b.domain, _UNION, False)}" for b in binders
+            )
+            where = f" where {expression(condition)}" if condition is not None else ""
+            return f"{{ {bound}{where} }}"
     if _needs_parentheses(expr, level, last):
         return f"({expression(expr)})"
     match expr:
@@ -118,6 +146,9 @@ def expression(expr: tree.Expr, level: int = _IMPLIES, last: bool = True) -> str
             return f"{expression(left, _ADD, False)} {sign} {expression(right, _ADD, last)}"
         case tree.Quantifier():
             return " ".join([_header(expr), *_tail(expr, last)])
+        case tree.Conditional(condition, first, second):
+            texts = expression(condition), expression(first), expression(second, _IMPLIES, last)
+            return "if {} then {} else {}".format(*texts)
     raise AssertionError(expr)
 
 
@@ -127,29 +158,34 @@ def _needs_parentheses(expr: tree.Expr, level: int, last: bool) -> bool:
             return level > _LEVEL[expr.sign]
         case tree.Comparison():
             return level > _COMPARE
-        case tree.Quantifier():
+        case tree.Quantifier() | tree.Conditional():
             return not last
     return False
 
 
 def _operands(expr: tree.Operation, last: bool) -> list[str]:
-    """The operands of `-> or and +`, with parentheses where they need them."""
+    """The operands of an operator, with parentheses where they need them."""
     level = _LEVEL[expr.sign]
     final = len(expr.operands) - 1
     return [
-        # `a -> b -> c` is `a -> (b -> c)`; everything else is a list of operands.
         expression(
             operand,
-            level if expr.sign == "->" and number == final else level + 1,
+            level if _same_level(expr.sign, number, final) else level + 1,
             last and number == final,
         )
         for number, operand in enumerate(expr.operands)
     ]
 
 
+def _same_level(sign: str, number: int, final: int) -> bool:
+    """Whether an operand may be of the same operator without parentheses: `a -> b -> c` is
+    `a -> (b -> c)`, and `A - B | C` is `(A - B) | C`; everything else is a list of operands."""
+    return number == final if sign == "->" else sign in ("|", "-") and number == 0
+
+
 def _header(expr: tree.Quantifier) -> str:
     where = f" where {expression(expr.condition)}" if expr.condition is not None else ""
-    return f"{expr.kind} {expr.variable.text} in {expression(expr.domain)}{where}:"
+    return f"{expr.kind} {expr.variable.text} in {expression(expr.domain, _UNION, False)}{where}:"
 
 
 def _tail(expr: tree.Quantifier, last: bool) -> list[str]:

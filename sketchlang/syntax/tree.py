@@ -41,7 +41,8 @@ class Call:
 
 @dataclass(frozen=True, slots=True)
 class Operation:
-    """`->`, `or`, `and`, `not` or `+` and its operands (two or more; one for `not`)."""
+    """`->`, `or`, `and`, `not`, `+`, `|`, `-` or `&` and its operands: two or more; one for
+    `not`; two for `|` and `-`."""
 
     sign: str
     operands: tuple[Expr, ...]
@@ -67,14 +68,89 @@ class Quantifier:
 
     kind: str
     variable: Name
-    domain: Call
+    domain: Expr
     condition: Expr | None
     body: Expr
     default: Expr | None
     span: Span
 
 
-Expr = Number | Truth | Call | Operation | Comparison | Quantifier
+@dataclass(frozen=True, slots=True)
+class GoalAtom:
+    """`goal on(x, y)`: what the goal of the scene says of a function."""
+
+    call: Call
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Closure:
+    """`on+` or `on*`; the sign is `+` or `*`."""
+
+    relation: Expr
+    sign: str
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Apply:
+    """`on+(x, y)`: a closure with its arguments."""
+
+    relation: Closure
+    arguments: tuple[Expr, ...]
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Binder:
+    """`variable in domain`"""
+
+    variable: Name
+    domain: Expr
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Comprehension:
+    """`{ x in A where condition }`, or `{ x in A, y in B where condition }` for pairs."""
+
+    binders: tuple[Binder, ...]
+    condition: Expr | None
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Listing:
+    """`{ a, b }`: a set of a few elements."""
+
+    elements: tuple[Expr, ...]
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Conditional:
+    """`if condition then first else second`"""
+
+    condition: Expr
+    first: Expr
+    second: Expr
+    span: Span
+
+
+Expr = (
+    Number
+    | Truth
+    | Call
+    | Operation
+    | Comparison
+    | Quantifier
+    | GoalAtom
+    | Closure
+    | Apply
+    | Comprehension
+    | Listing
+    | Conditional
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,10 +186,11 @@ class Title:
 
 @dataclass(frozen=True, slots=True)
 class Use:
-    """`use DOMAIN`"""
+    """`use DOMAIN`, or `use "FILE.pddl"` with the path as `name`."""
 
     name: Name
     span: Span
+    quoted: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -229,3 +306,16 @@ def operands(expr: Expr) -> tuple[Expr, ...]:
         case Quantifier():
             parts = (expr.domain, expr.condition, expr.body, expr.default)
             return tuple(part for part in parts if part is not None)
+        case GoalAtom(call):
+            return (call,)
+        case Closure(relation):
+            return (relation,)
+        case Apply(relation, arguments):
+            return (relation, *arguments)
+        case Comprehension(binders, condition):
+            domains = tuple(binder.domain for binder in binders)
+            return domains if condition is None else (*domains, condition)
+        case Listing(elements):
+            return elements
+        case Conditional(test, first, second):
+            return (test, first, second)

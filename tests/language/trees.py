@@ -36,7 +36,13 @@ def _operations(inner: st.SearchStrategy[Any]) -> st.SearchStrategy[tree.Operati
         inner,
         inner,
     )
-    return many | two | inner.map(lambda a: tree.Operation("not", (a,), HERE))
+    sets = st.builds(
+        lambda sign, a, b: tree.Operation(sign, (a, b), HERE),
+        st.sampled_from(["|", "-", "&"]),
+        inner,
+        inner,
+    )
+    return many | two | sets | inner.map(lambda a: tree.Operation("not", (a,), HERE))
 
 
 def _extend(inner: st.SearchStrategy[Any]) -> st.SearchStrategy[Any]:
@@ -51,13 +57,33 @@ def _extend(inner: st.SearchStrategy[Any]) -> st.SearchStrategy[Any]:
         tree.Quantifier,
         st.sampled_from(["some", "all", "count", "sum", "min", "max"]),
         names,
-        _calls(inner),
+        inner,
         st.none() | inner,
         inner,
         st.none() | inner,
         st.just(HERE),
     )
-    return _calls(inner) | _operations(inner) | comparisons | quantifiers
+    return _calls(inner) | _operations(inner) | comparisons | quantifiers | _sets(inner)
+
+
+def _sets(inner: st.SearchStrategy[Any]) -> st.SearchStrategy[Any]:
+    goals = st.builds(tree.GoalAtom, _calls(inner), st.just(HERE))
+    closures = st.builds(tree.Closure, inner, st.sampled_from("+*"), st.just(HERE))
+    applied = st.builds(
+        tree.Apply, closures, st.lists(inner, min_size=2, max_size=2).map(tuple), st.just(HERE)
+    )
+    binders = st.builds(tree.Binder, names, inner, st.just(HERE))
+    comprehensions = st.builds(
+        tree.Comprehension,
+        st.lists(binders, min_size=1, max_size=2).map(tuple),
+        st.none() | inner,
+        st.just(HERE),
+    )
+    listings = st.builds(
+        tree.Listing, st.lists(inner, min_size=1, max_size=3).map(tuple), st.just(HERE)
+    )
+    conditionals = st.builds(tree.Conditional, inner, inner, inner, st.just(HERE))
+    return goals | closures | applied | comprehensions | listings | conditionals
 
 
 expressions: st.SearchStrategy[tree.Expr] = st.recursive(

@@ -8,8 +8,10 @@ A heading names a test; the fenced blocks below it are its files and what is exp
     ```output             all that `sketchlang check` prints for the sketch before it
     ```format             the sketch before it, formatted
     ```map                a delivery scene, and then
-    ```values             the features of the sketch in its initial state
+    ```values FILE        the features of the sketch in its initial state, or in that of a PDDL task
     ```transitions        `RULE: H=0 n=2 -> H=1 n=1: yes`, whether a rule is satisfied
+
+PDDL files that lie beside the Markdown files are at hand in every section.
 
 Without an output block a sketch has exactly the findings that comments of the form
 `# error: [code] "part of the message"` announce on their line, and none if there are no such
@@ -21,6 +23,7 @@ from __future__ import annotations
 
 import os
 import re
+import shutil
 import sys
 import tempfile
 from collections.abc import Iterator
@@ -29,7 +32,7 @@ from pathlib import Path
 
 from sketchlang.cli.check import findings
 from sketchlang.compile import compile_sketch
-from sketchlang.domain import Domain
+from sketchlang.domain import Domain, LoadOptions
 from sketchlang.loader import Loaded, domains_of_file, load_source, load_text
 from sketchlang.render import console
 
@@ -127,7 +130,7 @@ def run(section: Section, directory: Path) -> None:
                 scene = block.text
             case "values":
                 assert loaded, "a values block needs a sketch before it"
-                _expect(block, values(loaded, scene))
+                _expect(block, values(loaded, scene, block.name))
             case "transitions":
                 assert loaded, "a transitions block needs a sketch before it"
                 _expect(block, transitions(loaded, block.text))
@@ -168,12 +171,22 @@ def check_comments(loaded: Loaded, block: Block) -> None:
         )
 
 
-def values(loaded: Loaded, scene: str) -> str:
-    """The features of a delivery sketch in the initial state of a map."""
+def values(loaded: Loaded, scene: str, task: str = "") -> str:
+    """The features of a sketch in the initial state of a delivery map or of a PDDL task; of a
+    task, the plain and the quick evaluator have to agree."""
     from domains.delivery.scene import of_map
 
     sketch = compile_sketch(loaded.checked)
-    found = sketch.evaluate(of_map(scene).initial)
+    domain = loaded.checked.domain
+    if task:
+        assert domain, "a sketch for a task uses its domain"
+        assert domain.load, "a PDDL domain loads tasks"
+        initial = domain.load(task, LoadOptions(task)).initial
+        plain = compile_sketch(loaded.checked, plain=True)
+        assert plain.evaluate(initial) == sketch.evaluate(initial)
+    else:
+        initial = of_map(scene).initial
+    found = sketch.evaluate(initial)
     return "".join(
         f"{feature.name} = {value}\n"
         for feature, value in zip(sketch.model.features, found, strict=True)
@@ -204,6 +217,8 @@ def run_in_empty_directory(section: Section) -> None:
     """Check a section where none of its files are in the way."""
     here = Path.cwd()
     with tempfile.TemporaryDirectory() as directory:
+        for file in Path(__file__).parent.glob("*.pddl"):
+            shutil.copy(file, directory)
         os.chdir(directory)
         try:
             run(section, Path(directory))

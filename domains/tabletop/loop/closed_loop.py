@@ -131,7 +131,7 @@ class ClosedLoop:
             values = self.guide.values(state)
             names = (feature.name for feature in self.guide.model.features)
             self.recorder.reached(dict(zip(names, values, strict=True)))
-            if self.guide.is_goal(values):
+            if self.guide.is_goal(values, state):
                 return like, None
             limits = Limits(timeout=PLANNING)
             subgoal = next_subgoal(self.guide, self.problem, state, limits, self.rng)

@@ -72,7 +72,7 @@ class Guide:
     def values(self, state: int) -> tuple[int, ...]:
         return (int(state in self.graph.goals),)
 
-    def fired(self, before: tuple[int, ...], after: tuple[int, ...]) -> str | None:
+    def fired(self, before: tuple[int, ...], after: tuple[int, ...], state: object) -> str | None:
         return GOALS if after[0] else None
 
 

@@ -1,0 +1,112 @@
+"""Relations as rows of bits: `{x: set of y}`, without empty rows. Sets of objects are masks."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+
+Mask = int
+Rows = Mapping[int, Mask]
+Row = Callable[[int], Mask]
+"""What an object is related to."""
+
+
+def bits_of(mask: Mask) -> Iterator[int]:
+    """The places of a mask's ones, from the lowest."""
+    while mask:
+        low = mask & -mask
+        yield low.bit_length() - 1
+        mask ^= low
+
+
+def of_pairs(pairs: Iterable[tuple[int, int]]) -> dict[int, Mask]:
+    """The rows of some pairs."""
+    rows: dict[int, Mask] = {}
+    for first, second in pairs:
+        rows[first] = rows.get(first, 0) | 1 << second
+    return rows
+
+
+def size(rows: Rows) -> int:
+    """How many pairs there are."""
+    return sum(row.bit_count() for row in rows.values())
+
+
+def image(row: Row, start: Mask) -> Mask:
+    """What the elements of a set are related to."""
+    found = 0
+    for element in bits_of(start):
+        found |= row(element)
+    return found
+
+
+def reached(row: Row, start: Mask) -> Mask:
+    """What can be reached from a set in one step or more."""
+    found, frontier = 0, start
+    while frontier:
+        following = image(row, frontier)
+        frontier = following & ~found
+        found |= following
+    return found
+
+
+def steps(row: Row, start: Mask, end: Mask, otherwise: int) -> int:
+    """The fewest steps from one set to another; `otherwise` where there is no way."""
+    seen, frontier, number = start, start, 0
+    while frontier:
+        if frontier & end:
+            return number
+        number += 1
+        frontier = image(row, frontier) & ~seen
+        seen |= frontier
+    return otherwise
+
+
+def inverse(rows: Rows) -> dict[int, Mask]:
+    """The rows the other way round."""
+    found: dict[int, Mask] = {}
+    for first, row in rows.items():
+        bit = 1 << first
+        for second in bits_of(row):
+            found[second] = found.get(second, 0) | bit
+    return found
+
+
+def getter(rows: Rows) -> Row:
+    """The row of an object, empty where there is none."""
+    get = rows.get
+    return lambda element: get(element, 0)
+
+
+def closure(rows: Rows) -> dict[int, Mask]:
+    """The transitive closure."""
+    row = getter(rows)
+    return {start: reached(row, 1 << start) for start in rows}
+
+
+def identity(mask: Mask) -> dict[int, Mask]:
+    """Every element of a set with itself."""
+    return {element: 1 << element for element in bits_of(mask)}
+
+
+def composed(first: Rows, second: Rows) -> dict[int, Mask]:
+    """First one step and then another."""
+    row = getter(second)
+    found = {start: image(row, middle) for start, middle in first.items()}
+    return {start: end for start, end in found.items() if end}
+
+
+def restricted(rows: Rows, start: Mask, end: Mask | None) -> dict[int, Mask]:
+    """The pairs from one set to another."""
+    kept = {x: row if end is None else row & end for x, row in rows.items() if start >> x & 1}
+    return {x: row for x, row in kept.items() if row}
+
+
+def combined(sign: str, first: Rows, second: Rows) -> dict[int, Mask]:
+    """`|`, `&` or `-` of two relations."""
+    if sign == "|":
+        return {x: first.get(x, 0) | second.get(x, 0) for x in {**first, **second}}
+    if sign == "&":
+        found = {x: row & second.get(x, 0) for x, row in first.items()}
+    else:
+        found = {x: row & ~second.get(x, 0) for x, row in first.items()}
+    return {x: row for x, row in found.items() if row}

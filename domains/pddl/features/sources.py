@@ -1,0 +1,110 @@
+"""Where the bits of a predicate are: in the state, or fixed by task or goal."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+
+from domains.pddl.features.rows import Mask, bits_of, of_pairs
+from domains.pddl.ground.layout import Box
+from domains.pddl.ground.reach import Values
+from domains.pddl.ground.task import GroundTask
+
+
+@dataclass(frozen=True)
+class Changing:
+    """A predicate that actions change. All methods take the state's bits."""
+
+    box: Box
+
+    @property
+    def mask(self) -> Mask:
+        """The bits of a state that it looks at."""
+        return self.box.mask
+
+    def holds(self, bits: int, values: Values) -> bool:
+        """Whether an atom is true."""
+        bit = self.box.bit(values)
+        return bit is not None and bool(bits >> bit & 1)
+
+    def tuples(self, bits: int) -> Iterable[Values]:
+        """The atoms that are true."""
+        values = self.box.values
+        return [values(bit) for bit in bits_of(bits & self.box.mask)]
+
+    def rows(self, bits: int) -> dict[int, Mask]:
+        """Those of two arguments, as rows."""
+        box = self.box
+        (low, columns), width = box.lows, box.widths[1]
+        block = bits >> box.offset & (1 << box.size) - 1
+        full = (1 << width) - 1
+        rows = {}
+        while block:
+            place = ((block & -block).bit_length() - 1) // width
+            row = block >> place * width & full
+            rows[low + place] = row << columns
+            block ^= row << place * width
+        return rows
+
+    def last(self, bits: int, values: Values) -> Mask:
+        """What the last argument can be after given ones."""
+        box = self.box
+        place = box.offset
+        for value, low, width, stride in zip(
+            values, box.lows, box.widths, box.strides, strict=False
+        ):
+            if not 0 <= value - low < width:
+                return 0
+            place += (value - low) * stride
+        return (bits >> place & (1 << box.widths[-1]) - 1) << box.lows[-1]
+
+
+@dataclass(frozen=True)
+class Fixed:
+    """A predicate that never changes, or what the goal says of one."""
+
+    atoms: frozenset[Values]
+
+    mask: Mask = 0
+
+    @cached_property
+    def _rows(self) -> dict[int, Mask]:
+        return of_pairs((values[0], values[1]) for values in self.atoms)
+
+    @cached_property
+    def _last(self) -> dict[Values, Mask]:
+        found: dict[Values, Mask] = {}
+        for values in self.atoms:
+            found[values[:-1]] = found.get(values[:-1], 0) | 1 << values[-1]
+        return found
+
+    def holds(self, _bits: int, values: Values) -> bool:
+        """Whether an atom is true."""
+        return values in self.atoms
+
+    def tuples(self, _bits: int) -> Iterable[Values]:
+        """The atoms that are true."""
+        return self.atoms
+
+    def rows(self, _bits: int) -> dict[int, Mask]:
+        """Those of two arguments, as rows."""
+        return self._rows
+
+    def last(self, _bits: int, values: Values) -> Mask:
+        """What the last argument can be after given ones."""
+        return self._last.get(values, 0)
+
+
+Source = Changing | Fixed
+
+
+def source(task: GroundTask, predicate: str, goal: bool) -> Source:
+    """The bits of a predicate in states of a task, or of what its goal says."""
+    if goal:
+        return Fixed(task.goal_atoms.get(predicate, frozenset()))
+    if predicate in task.static:
+        return Fixed(task.static[predicate])
+    box = task.layout.boxes.get(predicate)
+    # A predicate that changes, but in this task can never be true.
+    return Fixed(frozenset()) if box is None else Changing(box)

@@ -1,0 +1,280 @@
+"""A grounded task: states are whole numbers, operators are masks on them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from domains.pddl.ground.conjunctions import TooLargeError, conjunctions
+from domains.pddl.ground.layout import Layout, make_layout, object_order
+from domains.pddl.ground.reach import Case, Reached, Values, reach
+from domains.pddl.syntax.lists import PddlError
+from domains.pddl.syntax.model import OBJECT, Action, Atom, Effect, PddlTask
+from sketchlang.source import Span
+
+
+@dataclass(frozen=True, slots=True)
+class Condition:
+    """Bits that have to be 1 and bits that have to be 0."""
+
+    true: int = 0
+    false: int = 0
+
+    def holds(self, bits: int) -> bool:
+        """Whether a state satisfies it."""
+        return bits & self.true == self.true and not bits & self.false
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """Bits that become 1 and bits that become 0; what is in both becomes 1."""
+
+    adds: int = 0
+    deletes: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Operator:
+    """A ground action. `conditional` are changes that happen where a condition holds before."""
+
+    name: str
+    condition: Condition
+    change: Change
+    conditional: tuple[tuple[Condition, Change], ...]
+    cost: int
+
+    def __str__(self) -> str:
+        return self.name
+
+    def apply(self, bits: int) -> int:
+        """The state after it."""
+        adds, deletes = self.change.adds, self.change.deletes
+        for condition, change in self.conditional:
+            if condition.holds(bits):
+                adds |= change.adds
+                deletes |= change.deletes
+        return bits & ~deletes | adds
+
+
+@dataclass(frozen=True, eq=False)
+class GroundTask:
+    """What does not change in a task. Objects are numbered by their place in `objects`; sets of
+    objects are bits. `static` has the atoms of predicates that no action changes, `goal` the
+    cases of the goal, `goal_atoms` the atoms that all of its cases ask for. `memory` is for what
+    others work out once from a task."""
+
+    pddl: PddlTask
+    objects: tuple[str, ...]
+    types: Mapping[str, int]
+    layout: Layout
+    static: Mapping[str, frozenset[Values]]
+    initial: int
+    goal: tuple[Condition, ...]
+    goal_atoms: Mapping[str, frozenset[Values]]
+    operators: tuple[Operator, ...]
+    memory: dict[int, Any] = field(default_factory=dict, repr=False)
+
+    def number(self, name: str) -> int:
+        """The number of an object."""
+        return self.objects.index(name)
+
+    def is_goal(self, bits: int) -> bool:
+        """Whether a state satisfies the goal."""
+        return any(condition.holds(bits) for condition in self.goal)
+
+
+def ground(task: PddlTask) -> GroundTask:
+    """The grounded task.
+
+    Raises:
+        PddlError: a condition is too large, with its place.
+        InputError: the task is too large.
+    """
+    return _Grounder(task, reach(task)).task()
+
+
+class _Grounder:
+    def __init__(self, pddl: PddlTask, reached: Reached) -> None:
+        self.pddl = pddl
+        self.reached = reached
+        order = object_order(pddl, reached.atoms)
+        self.objects = tuple(pddl.objects[number].name for number in order)
+        self.number = {name: i for i, name in enumerate(self.objects)}
+        self.renumbered = [0] * len(order)
+        for new, old in enumerate(order):
+            self.renumbered[old] = new
+        self.layout = make_layout(
+            {
+                name: [tuple([self.renumbered[value] for value in values]) for values in found]
+                for name, found in reached.atoms.items()
+            }
+        )
+        self.changing = pddl.domain.changing()
+
+    def task(self) -> GroundTask:
+        """All of it."""
+        static: dict[str, set[Values]] = {
+            name: set() for name in self.pddl.domain.predicates if name not in self.changing
+        }
+        initial = 0
+        for name, *terms in self.pddl.init:
+            values = tuple(self.number[term] for term in terms)
+            if name in static:
+                static[name].add(values)
+            else:
+                bit = self.layout.bit(name, values)
+                assert bit is not None, "what is true at the start has been derived"
+                initial |= 1 << bit
+        types = {
+            type_: sum(1 << self.number[name] for name in self.pddl.members((type_,)))
+            for type_ in {OBJECT, *self.pddl.domain.types}
+        }
+        goal, goal_atoms = self._goal()
+        return GroundTask(
+            self.pddl,
+            self.objects,
+            types,
+            self.layout,
+            {name: frozenset(found) for name, found in static.items()},
+            initial,
+            goal,
+            goal_atoms,
+            tuple(dict.fromkeys(self._operators())),
+        )
+
+    # The goal.
+
+    def _goal(self) -> tuple[tuple[Condition, ...], dict[str, frozenset[Values]]]:
+        try:
+            cases = conjunctions(self.pddl.goal, self.pddl)
+        except TooLargeError as error:
+            raise PddlError(
+                f"the goal is too large: {error}", self.pddl.source, _goal_place(self.pddl)
+            ) from None
+        conditions = []
+        common: set[tuple[str, Values]] | None = None
+        for case in cases:
+            if any((left == right) != same for left, right, same in case.equal):
+                continue
+            named = {(atom.name, self._values(atom, {})) for atom in case.true}
+            common = named if common is None else common & named
+            condition = self._condition(case.true, case.false, {}, static=True)
+            if condition is not None:
+                conditions.append(condition)
+        atoms: dict[str, set[Values]] = {}
+        for name, values in common or ():
+            atoms.setdefault(name, set()).add(values)
+        return tuple(conditions), {name: frozenset(found) for name, found in atoms.items()}
+
+    # Operators.
+
+    def _operators(self) -> list[Operator]:
+        found: list[Operator] = []
+        for (action, case), effects in zip(self.reached.actions, self.reached.effects, strict=True):
+            instances = [self._instances(case, inner) for _, inner in effects]
+            for values in case.values:
+                operator = self._operator(action, case, values, effects, instances)
+                if operator is not None:
+                    found.append(operator)
+        return found
+
+    def _instances(self, case: Case, inner: Case | None) -> dict[Values, list[Values]]:
+        """The instances of an effect by the instance of the action that they belong to."""
+        found: dict[Values, list[Values]] = {}
+        if inner is not None:
+            width = len(case.variables)
+            for values in inner.values:
+                found.setdefault(values[:width], []).append(values)
+        return found
+
+    def _operator(
+        self,
+        action: Action,
+        case: Case,
+        values: Values,
+        effects: list[tuple[Effect, Case | None]],
+        instances: list[dict[Values, list[Values]]],
+    ) -> Operator | None:
+        variables = self._variables(case, values)
+        conjunction = case.conjunction
+        condition = self._condition(conjunction.true, conjunction.false, variables)
+        if condition is None or condition.true & condition.false:
+            return None
+        always = [0, 0]
+        when: dict[Condition, list[int]] = {}
+        for (effect, inner), found in zip(effects, instances, strict=True):
+            if inner is None:
+                self._change(effect, variables, always)
+                continue
+            for own in found.get(values, ()):
+                bound = self._variables(inner, own)
+                asked = self._condition(inner.conjunction.true, inner.conjunction.false, bound)
+                if asked is None or asked.true & (asked.false | condition.false):
+                    continue
+                # What the action asks for itself need not be asked for again.
+                asked = Condition(asked.true & ~condition.true, asked.false & ~condition.false)
+                target = always if asked == Condition() else when.setdefault(asked, [0, 0])
+                self._change(effect, bound, target)
+        terms = [self.objects[variables[p.name]] for p in action.parameters]
+        return Operator(
+            f"({' '.join((action.name, *terms))})",
+            condition,
+            Change(*always),
+            tuple((asked, Change(*change)) for asked, change in when.items() if any(change)),
+            sum(self._cost(cost, variables) for cost in action.costs),
+        )
+
+    def _variables(self, case: Case, values: Values) -> dict[str, int]:
+        return {
+            parameter.name: self.renumbered[value]
+            for parameter, value in zip(case.variables, values, strict=True)
+        }
+
+    def _values(self, atom: Atom, variables: Mapping[str, int]) -> Values:
+        return tuple([variables[t] if t in variables else self.number[t] for t in atom.terms])
+
+    def _condition(
+        self,
+        true: tuple[Atom, ...],
+        false: tuple[Atom, ...],
+        variables: Mapping[str, int],
+        static: bool = False,
+    ) -> Condition | None:
+        """The masks of some atoms; None if they cannot hold. What never changes has been looked
+        at by the grounder, unless `static`."""
+        masks = [0, 0]
+        for side, atoms in enumerate((true, false)):
+            for atom in atoms:
+                if atom.name in self.changing:
+                    bit = self.layout.bit(atom.name, self._values(atom, variables))
+                    if bit is not None:
+                        masks[side] |= 1 << bit
+                    elif side == 0:
+                        return None
+                elif static and ((atom.name, *atom.terms) in self.pddl.init) == (side == 1):
+                    return None
+        return Condition(*masks)
+
+    def _change(self, effect: Effect, variables: Mapping[str, int], masks: list[int]) -> None:
+        bit = self.layout.bit(effect.atom.name, self._values(effect.atom, variables))
+        if bit is not None:
+            masks[0 if effect.positive else 1] |= 1 << bit
+
+    def _cost(self, cost: int | Atom, variables: Mapping[str, int]) -> int:
+        if isinstance(cost, int):
+            return cost
+        terms = [self.objects[value] for value in self._values(cost, variables)]
+        key = (cost.name, *terms)
+        if key not in self.pddl.values:
+            raise PddlError(
+                f"the task gives no value for `({' '.join(key)})`, which an action costs",
+                self.pddl.domain.source,
+                cost.span,
+            )
+        return self.pddl.values[key]
+
+
+def _goal_place(task: PddlTask) -> Span:
+    start = max(0, task.source.text.lower().find("(:goal"))
+    return Span(start, start + 6)

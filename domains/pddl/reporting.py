@@ -1,0 +1,97 @@
+"""Reports about PDDL tasks: plans in the competitions' format, judged by a replay."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from domains.pddl.ground.task import GroundTask
+from domains.pddl.plan import plan_text, step_of
+from domains.pddl.replay import Verdict, replay
+from domains.pddl.successors import Successors
+from runtime.reporting import Document, Profile
+from runtime.search.siw_r import Outcome
+from sketchlang import __version__
+from sketchlang.files import write_text
+from sketchlang.model import SketchModel
+
+
+@dataclass(frozen=True)
+class PddlDocument:
+    """The plan of an outcome."""
+
+    task: GroundTask
+    sketch: str
+    planner: str
+    outcome: Outcome
+    execution_time: float = 0.0
+
+    @property
+    def actions(self) -> list[str]:
+        """The actions as a plan has them."""
+        return [action.name for subgoal in self.outcome.subgoals for action in subgoal.actions]
+
+    @property
+    def cost(self) -> int:
+        """What the plan costs: the number of its actions where the domain has no costs."""
+        actions = [action for subgoal in self.outcome.subgoals for action in subgoal.actions]
+        priced = any(action.costs for action in self.task.pddl.domain.actions)
+        return sum(action.cost if priced else 1 for action in actions)
+
+    def save(self, path: Path) -> None:
+        """Write the plan file."""
+        pddl = self.task.pddl
+        rules = ", ".join(subgoal.rule for subgoal in self.outcome.subgoals)
+        notes = {
+            "sketchlang": __version__,
+            "domain": pddl.domain.source.name,
+            "task": pddl.source.name,
+            "sketch": self.sketch,
+            "planner": self.planner,
+            "rules": rules,
+            "cost": self.cost,
+        }
+        write_text(path, plan_text(self.actions, notes))
+
+    def validate(self) -> Verdict:
+        """Replay the plan."""
+        return replay(self.task.pddl, [step_of(action) for action in self.actions])
+
+
+@dataclass(frozen=True, eq=False)
+class PddlReporting:
+    """A PDDL task as people and files see it."""
+
+    task: GroundTask
+    generator: Successors
+
+    @property
+    def robot(self) -> str | None:
+        """There is none."""
+        return None
+
+    def warm_up(self) -> None:
+        """Compile the kernel and make the tree of operators."""
+        self.generator.applicable(self.task.initial)
+
+    def describe(self, actions: Sequence[Any]) -> str:
+        """The actions as a plan has them."""
+        return " ".join(action.name for action in actions)
+
+    def profile(self) -> Profile:
+        """X has no steps."""
+        return {}
+
+    def document(self, model: SketchModel, outcome: Outcome, planner: str, seed: int) -> Document:
+        """The plan of an outcome, as far as it came."""
+        return PddlDocument(self.task, model.name, planner, outcome)
+
+    def why(self, outcome: Outcome) -> list[dict[str, Any]]:
+        """What the goal asks for and is not so where the search ended."""
+        if not self.task.goal:
+            text = "the goal can never be reached, not even if no action made anything false"
+            return [{"cause": "unreachable goal", "text": text}]
+        verdict = PddlDocument(self.task, "", "", outcome).validate()
+        return [{"cause": "open goal", "text": finding.message} for finding in verdict.findings]

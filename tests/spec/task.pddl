@@ -1,0 +1,7 @@
+(define (problem one) (:domain yard)
+  (:objects a b c d - block  gate quay island - place)
+  (:init (on a b) (on b c) (clear a) (clear d)
+         (at c gate) (at d depot)
+         (road gate depot) (road depot gate) (road depot quay) (road quay depot)
+         (sent d gate depot) (in d))
+  (:goal (and (on a b) (at c quay) (at d depot))))
