@@ -17,9 +17,11 @@ from collections import Counter
 import numpy as np
 
 from domains.tabletop.actions.actions import Pick
+from domains.tabletop.features.functions import arrangement
 from domains.tabletop.features.swept import HEADINGS, STEP
 from domains.tabletop.problem import TabletopProblem, load_problem
-from domains.tabletop.state import UNIT, Grasp, State
+from domains.tabletop.state import Grasp, Placement, State
+from runtime.search.problem import Rejection
 from sketchlang.domain import LoadOptions
 from sketchlang.library import find_scene
 
@@ -29,30 +31,45 @@ SEEDS = 12
 
 
 def compare(problem: TabletopProblem, rng: np.random.Generator) -> Counter[tuple[bool, bool]]:
-    """Counts of (estimated free, found by inverse kinematics)."""
-    task = problem.world
-    state = task.initial
-    arrangement = task.arrangement(state.placements)
+    """Counts of (estimated free, found by inverse kinematics), over all families of grasps."""
+    world = problem.world
+    state = world.initial
+    here = arrangement(world, state.placements)
     counts: Counter[tuple[bool, bool]] = Counter()
     for index, placement in enumerate(state.placements):
+        at = world.rests(state.placements, index)
         assert placement is not None
-        free = arrangement.free_headings(index)
-        for k in range(HEADINGS):
-            if not (task.reachable_at(placement) >> k) & 1:
-                continue
-            heading = k * STEP - placement.yaw * UNIT
-            grasp = Grasp.of(heading, task.shapes[index].grasp_height)
-            found = False
-            for _ in range(BASES):
-                base = problem.sampler.bases.pose_for(placement, grasp, rng)
-                if base is not None:
-                    here = State(base, state.placements, task=task)
-                    action = Pick(index, grasp)
-                    found = problem.executor.inverse_kinematics(here, action, SEEDS) is not None
-                if found:
-                    break
-            counts[bool((free >> k) & 1), found] += 1
+        assert at is not None
+        for family in world.families:
+            free = here.free_headings(index, family)
+            reachable = int(here.picks[family].reachable[index])
+            angles = np.arange(HEADINGS) * STEP - at[3]
+            hold = world.items[index].holds(world.hand, family, angles)
+            for k in range(HEADINGS):
+                if hold is None or not (reachable >> k) & 1:
+                    continue
+                grasp = world.items[index].grasp(hold, k, float(angles[k]))
+                found = _is_taken(problem, state, index, placement, grasp, rng)
+                counts[bool((free >> k) & 1), found] += 1
     return counts
+
+
+def _is_taken(
+    problem: TabletopProblem,
+    state: State,
+    index: int,
+    placement: Placement,
+    grasp: Grasp,
+    rng: np.random.Generator,
+) -> bool:
+    """Whether inverse kinematics finds a grasp from one of some base poses."""
+    for _ in range(BASES):
+        base = problem.sampler.bases.pose_for(state, index, placement, grasp, rng)
+        if base is not None:
+            motion = Pick(index, grasp).motion(problem.executor, state.driven(base), SEEDS)
+            if not isinstance(motion, Rejection) or motion.step == "motion_plan":
+                return True
+    return False
 
 
 def main() -> None:

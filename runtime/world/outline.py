@@ -13,7 +13,7 @@ SIDES = 32
 """Sides of the prism around something round: its radius is 0.5 % larger."""
 
 RINGS = 8
-"""Rings of corners around a sphere, or around each end of a capsule."""
+"""Steps from pole to pole between rings of corners around a sphere or the ends of a capsule."""
 
 Edges = list[tuple[int, int]]
 
@@ -41,11 +41,12 @@ def _rings(radius: float, half: float) -> list[tuple[float, float]]:
     """Heights and radii of rings around a capsule, half of whose segment is `half`."""
     wider = radius / (math.cos(math.pi / SIDES) * math.cos(math.pi / (2 * RINGS)))
     rings = []
-    for i in range(RINGS + 1):
-        bearing = -math.pi / 2 + i * math.pi / RINGS
-        shift = half if bearing > 0 else -half
-        rings.append((wider * math.sin(bearing) + shift, max(wider * math.cos(bearing), 1e-9)))
-    return rings
+    # The widest ring is at both ends of the segment.
+    for shift, first in ((-half, -math.pi / 2), (half, 0.0)):
+        for i in range(RINGS // 2 + 1):
+            bearing = first + i * math.pi / RINGS
+            rings.append((wider * math.sin(bearing) + shift, max(wider * math.cos(bearing), 1e-9)))
+    return rings if half else rings[: RINGS // 2] + rings[RINGS // 2 + 1 :]
 
 
 def _stack(rings: list[tuple[float, float]]) -> tuple[Floats, Edges]:

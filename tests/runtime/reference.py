@@ -197,19 +197,42 @@ def segment_distance(row: Floats, start: Floats, end: Floats, samples: int = 200
 
 
 def barred_headings(
-    site: Floats, grips: Floats, row: Floats, strip: Floats, play: float
+    site: Floats,
+    hold: Floats,
+    height: float,
+    own: tuple[float, float],
+    row: Floats,
+    hand: Floats,
+    play: float,
+    level: float,
 ) -> set[int]:
-    """Headings along which an upright box bars the way to a site."""
-    back, tip, length, half_width, finger = strip
-    if point_distance(row, *site) < min(grips) + play:
+    """Headings along which an upright box bars the way to something at a site (3,).
+
+    `hold` (K, 3), `own` and `hand` (v, 7) are as in `domains.tabletop.features.swept`.
+    """
+    box = corners(upright_pose(row), row[3:6])
+    bottom, top = box[:, 2].min() - site[2], box[:, 2].max() - site[2]
+    beside = point_distance(row, site[0], site[1]) >= own[0] + play
+    above_or_below = bottom >= own[1] - level or top <= level
+    # Seen along a heading a box counts as a larger, upright one: out of reach it does not.
+    reach = np.hypot(*np.abs(hand[:, :4]).reshape(-1, 2, 2).max(axis=2).T).max()
+    if point_distance(row, site[0], site[1]) > reach + np.abs(hold).sum(axis=1).max():
+        return set()
+    if not beside and not above_or_below:
         return set(range(HEADINGS))
-    outline = corners(upright_pose(row), row[3:6])[:, :2] - site
     barred = set()
     for k in range(HEADINGS):
-        seen = outline @ turn_z(2 * math.pi * k / HEADINGS)[:2, :2]
-        (low, right), (high, left) = seen.min(axis=0), seen.max(axis=0)
-        for start, end, aside in [(-back, tip, grips[k] + finger), (-length, -back, half_width)]:
-            if low < end and high > start and right < aside and left > -aside:
+        half, along, aside = hold[k]
+        frame = turn_z(2 * math.pi * k / HEADINGS)
+        seen = (box - site) @ frame - [along, aside, height]
+        low, high = seen.min(axis=0), seen.max(axis=0)
+        for volume in hand:
+            lower, upper = volume[[0, 2, 4]].copy(), volume[[1, 3, 5]].copy()
+            if volume[6]:
+                axis = int(volume[6])
+                lower[axis] -= half
+                upper[axis] += half
+            if (low < upper).all() and (high > lower).all():
                 barred.add(k)
     return barred
 

@@ -11,23 +11,26 @@ from domains.tabletop.actions.actions import Pick, Place
 from domains.tabletop.actions.reach import Reach
 from domains.tabletop.problem import TabletopProblem
 from domains.tabletop.state import BasePose, Grasp, Placement, State
+from runtime.motion.motion import Motion
+from runtime.search.problem import Rejection
 from tests.tabletop.tasks import ON_RIGHT, stick, task
 
 HERE = BasePose.of(-0.05, 0.6, 0.0)
 PICK = Pick(0, Grasp.of(0.0, 0.12))
+SEEDS = 12
 
 
 @pytest.fixture
 def problem(tmp_path) -> TabletopProblem:
     sticks = [stick("a", 0.65, 0.6), stick("b", 0.8, 0.75), stick("far", 0.8, -1.0)]
-    return TabletopProblem(task(tmp_path, *sticks, ON_RIGHT.format("a")), 0)
+    return TabletopProblem(task(tmp_path, *sticks, ON_RIGHT.format("a")), 1)
 
 
-def standing(problem: TabletopProblem, index: int, x: float, y: float, surface: int) -> State:
+def standing(problem: TabletopProblem, index: int, x: float, y: float, support: int) -> State:
     """The initial state seen from HERE, with one object elsewhere."""
     placements = list(problem.initial.placements)
-    placements[index] = Placement.of(x, y, 0.0, surface)
-    return State(HERE, tuple(placements), task=problem.world)
+    placements[index] = Placement.of(x, y, 0.0, support)
+    return State(HERE, tuple(placements), world=problem.world)
 
 
 def asked(problem: TabletopProblem, monkeypatch) -> list[int]:
@@ -43,48 +46,53 @@ def asked(problem: TabletopProblem, monkeypatch) -> list[int]:
     return computed
 
 
+def motion_of(problem: TabletopProblem, state: State, action: Pick | Place) -> Motion | Rejection:
+    return action.motion(problem.executor, state, SEEDS)
+
+
 def test_the_same_question_is_computed_once(problem, monkeypatch) -> None:
     computed = asked(problem, monkeypatch)
-    state = standing(problem, 1, 0.8, 0.75, 0)
-    reach = problem.executor.inverse_kinematics(state, PICK, 12)
-    assert reach is not None
-    motion = problem.executor.motion_plan(state, PICK, reach)
-    assert motion is not None
-    again = standing(problem, 1, 0.8, 0.75, 0)
-    assert problem.executor.inverse_kinematics(again, PICK, 12) is reach
-    assert problem.executor.motion_plan(again, PICK, reach) is motion
+    motion = motion_of(problem, standing(problem, 1, 0.8, 0.75, 0), PICK)
+    assert not isinstance(motion, Rejection)
+    assert motion_of(problem, standing(problem, 1, 0.8, 0.75, 0), PICK) is motion
     assert len(computed) == 1
 
 
 def test_what_is_out_of_reach_does_not_matter(problem, monkeypatch) -> None:
     computed = asked(problem, monkeypatch)
     for x in (0.75, 0.85):
-        problem.executor.inverse_kinematics(standing(problem, 2, x, -1.0, 1), PICK, 12)
+        motion_of(problem, standing(problem, 2, x, -1.0, 1), PICK)
     assert len(computed) == 1
 
 
 def test_something_that_moves_within_reach_asks_anew(problem, monkeypatch) -> None:
     computed = asked(problem, monkeypatch)
-    beside = problem.executor.inverse_kinematics(standing(problem, 1, 0.8, 0.75, 0), PICK, 12)
-    barring = problem.executor.inverse_kinematics(standing(problem, 1, 0.6, 0.6, 0), PICK, 12)
+    beside = motion_of(problem, standing(problem, 1, 0.8, 0.75, 0), PICK)
+    barring = motion_of(problem, standing(problem, 1, 0.6, 0.6, 0), PICK)
     assert len(computed) == 2
-    assert beside is not None
-    assert barring is None
+    assert not isinstance(beside, Rejection)
+    assert barring == Rejection("inverse_kinematics", "a")
 
 
-def test_picking_up_and_putting_back_are_different_motions(problem) -> None:
+def test_something_that_turns_within_reach_asks_anew(problem, monkeypatch) -> None:
+    computed = asked(problem, monkeypatch)
+    for yaw in (0.0, 0.4):
+        placements = list(problem.initial.placements)
+        placements[1] = Placement.of(0.8, 0.75, yaw, 0)
+        motion_of(problem, State(HERE, tuple(placements), world=problem.world), PICK)
+    assert len(computed) == 2
+
+
+def test_picking_up_and_putting_back_are_different_motions(problem, monkeypatch) -> None:
+    computed = asked(problem, monkeypatch)
     state = standing(problem, 1, 0.8, 0.75, 0)
     placement = state.placements[0]
     assert placement is not None
-    reach = problem.executor.inverse_kinematics(state, PICK, 12)
-    assert reach is not None
-    pick = problem.executor.motion_plan(state, PICK, reach)
-    held = state.after(PICK)
-    back = Place(0, placement)
-    assert problem.executor.inverse_kinematics(held, back, 12) is reach
-    place = problem.executor.motion_plan(held, back, reach)
-    assert pick is not None
-    assert place is not None
+    pick = motion_of(problem, state, PICK)
+    place = motion_of(problem, PICK.after(state), Place(0, placement))
+    assert len(computed) == 1, "both are along the same lines"
+    assert not isinstance(pick, Rejection)
+    assert not isinstance(place, Rejection)
     assert len(pick) != len(place)
 
 
@@ -93,10 +101,13 @@ def test_forgotten_answers_are_computed_again(problem, monkeypatch) -> None:
     computed = asked(problem, monkeypatch)
     state = standing(problem, 1, 0.8, 0.75, 0)
     grasps = [Pick(0, Grasp.of(math.pi / 2 * k, 0.12)) for k in range(3)]
-    first = [problem.executor.inverse_kinematics(state, pick, 12) for pick in grasps]
-    second = [problem.executor.inverse_kinematics(state, pick, 12) for pick in grasps]
+    first = [motion_of(problem, state, pick) for pick in grasps]
+    second = [motion_of(problem, state, pick) for pick in grasps]
     assert len(computed) == 6
     for one, other in zip(first, second, strict=True):
-        assert (one is None) == (other is None)
-        if one is not None and other is not None:
-            assert np.array_equal(one.approach, other.approach)
+        assert isinstance(one, Rejection) == isinstance(other, Rejection)
+        if isinstance(one, Rejection):
+            assert one == other
+        else:
+            assert [type(piece) for piece in one] == [type(piece) for piece in other]
+            assert np.array_equal(one[2].path, other[2].path)

@@ -59,27 +59,27 @@ START = State(HERE, STANDS)
 
 
 def test_moving_the_base_changes_nothing_else() -> None:
-    assert START.after_(MoveBase(THERE)) == State(THERE, STANDS)
+    assert MoveBase(THERE).after(START) == State(THERE, STANDS)
 
 
 def test_picking_takes_the_object_from_its_place() -> None:
-    assert START.after_(Pick(1, GRASP)) == State(HERE, (STANDS[0], None), 1, GRASP)
+    assert Pick(1, GRASP).after(START) == State(HERE, (STANDS[0], None), 1, GRASP)
 
 
 def test_placing_puts_the_held_object_down() -> None:
     there = Placement.of(1.5, 0.5, 1.0, 1)
-    held = START.after_(Pick(0, GRASP))
-    assert held.after_(Place(0, there)) == State(HERE, (there, STANDS[1]))
+    held = Pick(0, GRASP).after(START)
+    assert Place(0, there).after(held) == State(HERE, (there, STANDS[1]))
 
 
 def test_putting_an_object_back_leads_to_the_state_before() -> None:
-    back = START.after_(Pick(1, GRASP)).after(Place(1, STANDS[1]))
+    back = Place(1, STANDS[1]).after(Pick(1, GRASP).after(START))
     assert back == START
     assert hash(back) == hash(START)
 
 
 def test_a_held_object_is_carried_along() -> None:
-    held = START.after_(Pick(0, GRASP)).after(MoveBase(THERE))
+    held = MoveBase(THERE).after(Pick(0, GRASP).after(START))
     assert (held.held, held.grasp, held.base) == (0, GRASP, THERE)
 
 

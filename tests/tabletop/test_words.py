@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import pytest
 
+from domains.tabletop.features.functions import arrangement, misplaced
 from domains.tabletop.problem import load_problem
 from domains.tabletop.state import Placement, State
 from domains.tabletop.world import TabletopWorld
@@ -19,7 +20,7 @@ DIRECTIONS = [(1, 0), (0, 1), (-1, 0), (0, -1)]
 
 @pytest.fixture(scope="module", params=["words/tamp", "words/robot"])
 def task(request) -> TabletopWorld:
-    return load_problem(str(find_scene(request.param)[0]), LoadOptions(request.param)).task
+    return load_problem(str(find_scene(request.param)[0]), LoadOptions(request.param)).world
 
 
 def index_of(task: TabletopWorld, letter: str, number: int = 0) -> int:
@@ -34,17 +35,17 @@ def spelled(
     word in a row from the middle of the table."""
     word = task.scene.word
     assert word is not None
-    surface = task.scene.surfaces[word.surface]
+    ground = task.grounds[word.surface]
     used: dict[str, int] = {}
     placements: list[Placement | None] = list(task.initial.placements)
     for number, letter in enumerate(word.word[:count]):
         index = index_of(task, letter, used.get(letter, 0))
         used[letter] = used.get(letter, 0) + 1
         start = -PITCH * (len(word.word) - 1) / 2
-        x, y = surface.table.world(
+        x, y = ground.outside(
             (start + number * PITCH) * direction[0], (start + number * PITCH) * direction[1]
         )
-        yaw = surface.table.yaw + (turn if number == count - 1 else 0.0)
+        yaw = ground.yaw + (turn if number == count - 1 else 0.0)
         placements[index] = Placement.of(x, y, yaw, word.surface)
     return replace(task.initial, placements=tuple(placements))
 
@@ -55,42 +56,42 @@ def test_letters_in_a_row_are_well_placed(task, direction, turn) -> None:
     word = task.scene.word.word
     for count in range(2, len(word) + 1):
         state = spelled(task, count, direction, turn)
-        assert len(task.misplaced(state)) == len(word) - count
+        assert len(misplaced(state)) == len(word) - count
 
 
 def test_the_whole_word_reaches_the_goal_and_spare_letters_do_not_matter(task) -> None:
     state = spelled(task, len(task.scene.word.word), (0, 1))
-    assert not task.misplaced(state)
+    assert not misplaced(state)
 
 
 def test_a_block_that_is_turned_against_the_row_is_misplaced(task) -> None:
     word = task.scene.word.word
     state = spelled(task, len(word), (0, 1), turn=math.pi / 4)
-    assert len(task.misplaced(state)) == 1
+    assert len(misplaced(state)) == 1
 
 
 def test_as_many_blocks_are_misplaced_as_slots_are_empty(task) -> None:
     """A slot wants one block, however many have its letter."""
     word = task.scene.word.word
-    misplaced = task.misplaced(task.initial)
-    assert len(misplaced) <= len(word)
-    letters = [task.scene.objects[i].letter for i in misplaced]
+    wrong = misplaced(task.initial)
+    assert len(wrong) <= len(word)
+    letters = [task.scene.objects[i].letter for i in wrong]
     assert all(letters.count(letter) <= word.count(letter) for letter in letters)
 
 
 def test_a_row_without_room_for_the_whole_word_does_not_count(task) -> None:
     word = task.scene.word
-    surface = task.scene.surfaces[word.surface]
+    ground = task.grounds[word.surface]
     placements: list[Placement | None] = list(task.initial.placements)
     # The first two letters at the very end of the table, reading outwards.
-    edge = surface.half[0] - 0.03
+    edge = ground.half[0] - 0.03
     for number, letter in enumerate(word.word[:2]):
-        x, y = surface.table.world(edge - PITCH + number * PITCH, 0.0)
+        x, y = ground.outside(edge - PITCH + number * PITCH, 0.0)
         index = index_of(task, letter)
-        placements[index] = Placement.of(x, y, surface.table.yaw, word.surface)
+        placements[index] = Placement.of(x, y, ground.yaw, word.surface)
     state = replace(task.initial, placements=tuple(placements))
-    arrangement = task.arrangement(state.placements)
+    here = arrangement(task, state.placements)
     first, second = (index_of(task, letter) for letter in word.word[:2])
-    goals = arrangement.letters
+    goals = task.letters(here)
     both = all(i in goals and goals[i].holds(state.placements[i]) for i in (first, second))
     assert not both

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import pytest
 
+from domains.tabletop.features.functions import arrangement, misplaced
 from domains.tabletop.scene.generate import sorting_scene
 from domains.tabletop.scene.load import load_scene
+from domains.tabletop.world import TabletopWorld
 from runtime.robot.load import load_robot
 
 
@@ -15,10 +17,11 @@ def test_a_generated_scene_is_a_task_of_its_size(tmp_path, objects) -> None:
     path.write_text(sorting_scene(objects, seed=objects))
     scene = load_scene(path)
     assert len(scene.objects) == objects
-    task = Task(scene, load_robot("tiago"))
+    world = TabletopWorld.of(scene, load_robot("tiago"))
     # A goal object that stood on its goal table would need no planning.
-    assert task.misplaced(task.initial) == frozenset(scene.goals)
-    assert all(task.reachable_at(p) for p in task.initial.placements if p is not None)
+    assert misplaced(world.initial) == frozenset(scene.goals)
+    here = arrangement(world, world.initial.placements)
+    assert all(here.is_reachable(i) for i in range(objects))
 
 
 def test_a_seed_makes_one_scene() -> None:
