@@ -8,7 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from domains.tabletop.state import PINCH, SIDE, TOP
-from runtime.robot.model import Floats, RobotModel
+from runtime.robot.approach import Family
+from runtime.robot.model import RobotModel
+from runtime.world.poses import Floats
+
+PLAY = 0.003
+"""Metres kept on the outside of each finger."""
+
+FAMILY = {SIDE: Family.SIDE, TOP: Family.TOP, PINCH: Family.PINCH}
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,6 +27,7 @@ class Hand:
     (v, 7) that an approach of family f sweeps, as `features.swept` takes them.
     """
 
+    robot: RobotModel
     tip: float
     back: float
     pad: float
@@ -28,44 +36,41 @@ class Hand:
     max_weight: float
     max_torque: float
     sweeps: tuple[Floats, ...]
-    reach: tuple[float, float, float]
 
     def workspace(self, family: int, height: float) -> tuple[float, float, float] | None:
         """Where the wrist has to be for a grasp centre at a height above the floor: how far
         behind the centre it is, and from where to where from the shoulder axis; None where the
         arm does not reach."""
-        return self.reach
+        inner, outer, wrist = self.robot.workspace(FAMILY[family], height)
+        return (wrist, inner, outer) if outer > inner else None
 
 
 def hand_of(robot: RobotModel) -> Hand:
-    """The hand of a robot."""
-    strip = robot.strip
-    pad = 0.012
-    fingers = [-strip.finger_back, strip.finger_tip]
-    thick = strip.finger_width
-    wide = strip.arm_half_width
-    side = [
-        [*fingers, -thick, thick, -pad, pad, 1.0],
-        [-strip.arm_length, -strip.finger_back, -wide, wide, -0.05, 0.2, 0.0],
-    ]
-    top = [
-        [-pad, pad, -thick, thick, -strip.finger_tip, strip.finger_back, 1.0],
-        [-0.06, 0.06, -wide, wide, strip.finger_back, strip.arm_length, 0.0],
-    ]
-    pinch = [
-        [*fingers, -pad, pad, -thick, thick, 2.0],
-        [-strip.arm_length, -strip.finger_back, -0.05, 0.05, -wide, wide, 0.0],
-    ]
-    sweeps: list[Floats] = [np.zeros((0, 7))] * 3
-    sweeps[SIDE], sweeps[TOP], sweeps[PINCH] = np.array(side), np.array(top), np.array(pinch)
+    """The hand of a robot, as kinematics derives it."""
+    side = robot.approach(Family.SIDE)
+    gripper = robot.gripper
     return Hand(
-        tip=strip.finger_tip,
-        back=strip.finger_back,
-        pad=pad,
-        clearance=robot.gripper.clearance,
-        max_opening=robot.gripper.max_opening,
-        max_weight=math.inf,
-        max_torque=math.inf,
-        sweeps=tuple(sweeps),
-        reach=(robot.annulus.wrist_offset, robot.annulus.inner, robot.annulus.outer),
+        robot=robot,
+        tip=float(side.fingers[:, 1].max()),
+        back=-float(side.hand[:, 1].max()),
+        pad=float(side.fingers[:, 5].max()),
+        clearance=gripper.clearance,
+        max_opening=gripper.max_opening,
+        max_weight=9.81 * (gripper.payload or math.inf),
+        max_torque=gripper.max_torque or math.inf,
+        sweeps=tuple(_volumes(robot, family) for family in (SIDE, TOP, PINCH)),
     )
+
+
+def _volumes(robot: RobotModel, family: int) -> Floats:
+    """The volumes (v, 7) of a family: the fingers with all that is between them, then hand and
+    arm."""
+    approach = robot.approach(FAMILY[family])
+    wide = 4 if family == PINCH else 2
+    fingers = approach.fingers.copy()
+    outwards = fingers[:, wide + 1] + robot.gripper.clearance + PLAY
+    fingers[:, wide], fingers[:, wide + 1] = -outwards, outwards
+    axis = np.full((len(fingers), 1), 2.0 if family == PINCH else 1.0)
+    rest = approach.hand_and_arm
+    rows: Floats = np.unique(np.hstack([fingers, axis]), axis=0)
+    return np.vstack([rows, np.hstack([rest, np.zeros((len(rest), 1))])])

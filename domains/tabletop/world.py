@@ -350,7 +350,7 @@ class TabletopWorld:
     @cached_property
     def shoulder(self) -> Floats:
         """Where the shoulder axis stands in the base frame (2,)."""
-        return np.array(self.robot.annulus.centre)
+        return np.array(self.robot.centre)
 
     def reachable_goal(
         self, goal: GoalSites, index: int, family: int, hold: SiteHold, key: Hashable
