@@ -15,6 +15,9 @@ from runtime.world.poses import Floats
 PLAY = 0.003
 """Metres kept on the outside of each finger."""
 
+SIDEWAYS = 0.02
+"""Metres added on both sides of hand and arm: where less is left, few postures come through."""
+
 FAMILY = {SIDE: Family.SIDE, TOP: Family.TOP, PINCH: Family.PINCH}
 
 
@@ -71,6 +74,8 @@ def _volumes(robot: RobotModel, family: int) -> Floats:
     outwards = fingers[:, wide + 1] + robot.gripper.clearance + PLAY
     fingers[:, wide], fingers[:, wide + 1] = -outwards, outwards
     axis = np.full((len(fingers), 1), 2.0 if family == PINCH else 1.0)
-    rest = approach.hand_and_arm
+    rest = approach.hand_and_arm.copy()
+    rest[:, 2] -= SIDEWAYS
+    rest[:, 3] += SIDEWAYS
     rows: Floats = np.unique(np.hstack([fingers, axis]), axis=0)
     return np.vstack([rows, np.hstack([rest, np.zeros((len(rest), 1))])])

@@ -29,9 +29,12 @@ PINCH_DEPTH = 0.03
 PALM_AIR = 0.004
 """Metres left between the palm, or the tips of the fingers, and what they must not touch."""
 
-FLAT = 0.25
-"""Share of its full height by which a thing is thought cut when its outline is taken where the
-fingers are and nothing else is known."""
+FRICTION = 0.6
+"""Fingers hold what they touch on two sides if the points are nearly opposite: the tangent of
+the angle by which they may be beside each other, well within what friction bears."""
+
+TOUCHING = 2e-4
+"""Metres from the outermost point within which an outline touches a finger."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,6 +176,7 @@ class Item:
                 deepest = near + hand.back - PALM_AIR
                 along = np.minimum(along, deepest)
                 fits = along > near + min(0.01, 0.25 * float(np.ptp(points[:, 0])))
+            fits = fits & (_slip(forward, across) <= FRICTION * width)
         fits = fits & (width + 2 * hand.clearance <= hand.max_opening + 1e-9)
         fits = fits & self._is_borne(hand, angles, along, aside)
         return Hold(family, height, width, along, aside, fits)
@@ -232,6 +236,19 @@ class Item:
             float(hold.along[k]),
             float(hold.aside[k]),
         )
+
+
+def _slip(forward: Floats, across: Floats) -> Floats:
+    """How far, along the heading, the points at which fingers touch an outline on the left and
+    on the right are beside each other (k,), for points (n, k) in the frame of each heading."""
+    left = across >= across.max(axis=0) - TOUCHING
+    right = across <= across.min(axis=0) + TOUCHING
+    low_left = np.where(left, forward, np.inf).min(axis=0)
+    high_left = np.where(left, forward, -np.inf).max(axis=0)
+    low_right = np.where(right, forward, np.inf).min(axis=0)
+    high_right = np.where(right, forward, -np.inf).max(axis=0)
+    slip: Floats = np.maximum(np.maximum(low_left - high_right, low_right - high_left), 0.0)
+    return slip
 
 
 def _is_round(part: Part) -> bool:

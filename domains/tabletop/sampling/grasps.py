@@ -45,7 +45,7 @@ class GraspSampler:
         found: list[Grasp] = []
         for turn in range(max(map(len, chosen), default=0)):
             found += [grasps[turn] for grasps in chosen if turn < len(grasps)]
-        return tuple(found[: GRASPS * draw.scale])
+        return tuple(found[: GRASPS * draw.scale * (1 if draw.attempt == 0 else 2)])
 
     def _of_family(self, draw: Draw, index: int, family: int) -> list[Grasp]:
         world, state, attempt, rng = self.world, draw.state, draw.attempt, draw.rng
@@ -61,18 +61,19 @@ class GraspSampler:
             # The estimate may be wrong: try what geometry allows at all.
             free = int(here.picks[family].reachable[index])
         free = self._placeable(state, index, family, free) or free
-        if draw.doubting:
-            free = swept.ALL & hold.fits
         number = GRASPS * draw.scale
         narrow = free & _narrow(hold.rows[:, 0], hold.fits)
         headings = pick_headings(narrow, number, rng)
         if len(headings) < number:
             headings += pick_headings(free & ~narrow, number - len(headings), rng)
-        jitter = 0.0 if attempt == 0 else STEP / 2
+        # What the estimate holds for best stays in; what is tried besides strays from it.
+        angles = [k * STEP for k in headings]
+        if attempt > 0:
+            strays = pick_headings(swept.ALL & hold.fits if draw.doubting else free, number, rng)
+            angles += [k * STEP + rng.uniform(-STEP / 2, STEP / 2) for k in strays]
         item = world.items[index]
         grasps = []
-        for k in headings:
-            angle = k * STEP + rng.uniform(-jitter, jitter) - at[3]
+        for angle in (angle - at[3] for angle in angles):
             flipped = attempt > 0 and rng.random() < 0.3
             found = item.holds(world.hand, family, np.array([angle]))
             if found is not None and found.fits[0]:
