@@ -10,7 +10,9 @@ from typing import Any, Protocol
 
 from runtime.search.classical import ClassicalProblem
 from runtime.search.siw_r import Outcome
+from sketchlang.errors import InputError
 from sketchlang.files import write_text
+from sketchlang.loader import Loaded
 from sketchlang.model import SketchModel
 
 Profile = dict[str, dict[str, float]]
@@ -35,6 +37,14 @@ class Document(Protocol):
 
     def validate(self) -> Verdict:
         """Judge the plan independently of the planner."""
+        ...
+
+    def show(self, sketch: Loaded, path: Path) -> None:
+        """Write the page to watch the plan in a browser.
+
+        Raises:
+            InputError: there is nothing to watch, or the file cannot be written.
+        """
         ...
 
     @property
@@ -65,6 +75,10 @@ class Reporting(Protocol):
 
     def document(self, model: SketchModel, outcome: Outcome, planner: str, seed: int) -> Document:
         """The plan of an outcome, as far as it came."""
+        ...
+
+    def hopeless(self) -> list[dict[str, Any]]:
+        """Findings that make the task impossible, before any search; empty where none are."""
         ...
 
     def why(self, outcome: Outcome) -> list[dict[str, Any]]:
@@ -118,6 +132,10 @@ class ClassicalDocument:
         }
         write_text(path, json.dumps(data, indent=1) + "\n")
 
+    def show(self, sketch: Loaded, path: Path) -> None:
+        """There is nothing to watch."""
+        raise InputError("a plan of a classical domain has no motions to show")
+
     def validate(self) -> ClassicalVerdict:
         """Replay the actions by the domain's own successors."""
         state, number = self.problem.initial, 0
@@ -152,6 +170,10 @@ class ClassicalReporting:
     def document(self, model: SketchModel, outcome: Outcome, planner: str, seed: int) -> Document:
         """The plan of an outcome."""
         return ClassicalDocument(self.problem.problem, model.name, planner, seed, outcome)
+
+    def hopeless(self) -> list[dict[str, Any]]:
+        """Nothing is known before the search."""
+        return []
 
     def why(self, outcome: Outcome) -> list[dict[str, Any]]:
         """Nothing is known of what is in the way."""
