@@ -6,11 +6,10 @@ import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 from runtime.search.classical import ClassicalProblem
 from runtime.search.siw_r import Outcome
-from sketchlang.errors import InputError
 from sketchlang.files import write_text
 from sketchlang.loader import Loaded
 from sketchlang.model import SketchModel
@@ -39,17 +38,22 @@ class Document(Protocol):
         """Judge the plan independently of the planner."""
         ...
 
+    @property
+    def execution_time(self) -> float:
+        """Seconds that its motions take."""
+        ...
+
+
+@runtime_checkable
+class Watchable(Protocol):
+    """A document with motions that can be watched."""
+
     def show(self, sketch: Loaded, path: Path) -> None:
         """Write the page to watch the plan in a browser.
 
         Raises:
             InputError: there is nothing to watch, or the file cannot be written.
         """
-        ...
-
-    @property
-    def execution_time(self) -> float:
-        """Seconds that its motions take."""
         ...
 
 
@@ -131,10 +135,6 @@ class ClassicalDocument:
             "actions": actions,
         }
         write_text(path, json.dumps(data, indent=1) + "\n")
-
-    def show(self, sketch: Loaded, path: Path) -> None:
-        """There is nothing to watch."""
-        raise InputError("a plan of a classical domain has no motions to show")
 
     def validate(self) -> ClassicalVerdict:
         """Replay the actions by the domain's own successors."""

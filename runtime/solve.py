@@ -74,7 +74,7 @@ class Task:
         if hopeless:
             outcome = Outcome(state=self.problem.initial, seconds=limits.elapsed())
             outcome.reason = "; ".join(finding["text"] for finding in hopeless[:SAID])
-            outcome.why = hopeless
+            outcome.why, outcome.stuck = hopeless, self.sketch.evaluate(self.problem.initial)
         else:
             rng = np.random.default_rng(self.seed)
             outcome = solve(self.sketch, self.problem, limits, rng, planner, progress)

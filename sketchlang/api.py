@@ -142,7 +142,12 @@ class Plan:
         Raises:
             InputError: the domain has no motions to show, or the file cannot be written.
         """
-        self.result.task.plan.show(self.result.sketch, Path(path))
+        from runtime.reporting import Watchable
+
+        plan = self.result.task.plan
+        if not isinstance(plan, Watchable):
+            raise InputError("the plan has no motions to show")
+        plan.show(self.result.sketch, Path(path))
 
 
 def _loaded(sketch: str | Path | Loaded, domain: str | Path | None) -> Loaded:
