@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from sketchlang.escape import shown_line, visible
 
 
@@ -22,3 +24,15 @@ class InputError(Exception):
         return (
             f"{shown_line(text)}\n  hint: {visible(self.hint)}" if self.hint else shown_line(text)
         )
+
+
+class CollectedInputError(InputError):
+    """Several of them, found in one run. Message, place and hint are those of the first."""
+
+    def __init__(self, errors: Sequence[InputError]) -> None:
+        first = errors[0]
+        super().__init__(first.message, place=first.place, hint=first.hint)
+        self.errors = tuple(errors)
+
+    def __str__(self) -> str:
+        return "\n".join(str(error) for error in self.errors)

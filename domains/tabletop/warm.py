@@ -6,11 +6,11 @@ import numpy as np
 
 from domains.tabletop.features import functions
 from domains.tabletop.problem import TabletopProblem
+from domains.tabletop.scene.boxes import scene_of_boxes, standing_box
 from domains.tabletop.scene.model import (
     Obstacle,
     RegionGoal,
     Scene,
-    SceneObject,
     Surface,
     UprightBox,
 )
@@ -62,14 +62,12 @@ def _first(subproblem: Subproblem, state: State) -> State | None:
 
 def _scene() -> Scene:
     tables = [UprightBox((x, 0.0, 0.38), (0.6, 1.0, 0.76)) for x in (1.0, -1.0)]
-    objects = tuple(
-        SceneObject(f"o{i}", (0.04, 0.04, 0.2), (0.9, 0.1 * i, 0.0), 0) for i in range(2)
-    )
-    return Scene(
+    objects = [standing_box(f"o{i}", (0.04, 0.04, 0.2), (0.9, 0.1 * i, 0.0), 0) for i in range(2)]
+    return scene_of_boxes(
         name="warm-up",
         robot_start=(0.0, 0.0, 0.0),
-        surfaces=tuple(Surface(f"t{i}", box, (0.3, 0.5), 0.762) for i, box in enumerate(tables)),
-        obstacles=tuple(Obstacle(f"t{i}", box) for i, box in enumerate(tables)),
+        surfaces=[Surface(f"t{i}", box, (0.3, 0.5), 0.762) for i, box in enumerate(tables)],
+        obstacles=[Obstacle(f"t{i}", box) for i, box in enumerate(tables)],
         objects=objects,
         goals={0: RegionGoal(1), 1: RegionGoal(1)},
         word=None,

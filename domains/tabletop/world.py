@@ -23,7 +23,7 @@ from domains.tabletop.ground import Ground
 from domains.tabletop.hand import Hand, hand_of
 from domains.tabletop.items import Item
 from domains.tabletop.memory import Memory
-from domains.tabletop.scene.model import Goal, RegionGoal, Scene
+from domains.tabletop.scene.model import PoseGoal, RegionGoal, Scene
 from domains.tabletop.state import UNIT, BasePose, Grasp, Placement, State
 from runtime.kernels.convex import Obstacles, boxes_only, join
 from runtime.motion.roads import Roads
@@ -386,9 +386,15 @@ class TabletopWorld:
         """Goal sites of the objects whose goal does not depend on where other objects are."""
         return {
             index: self._sites(index, goal, None)
-            for index, goal in self.scene.goals.items()
+            for index, goal in self.placed_goals.items()
             if self.grounds[goal.surface].owner is None
         }
+
+    @cached_property
+    def placed_goals(self) -> dict[int, RegionGoal | PoseGoal]:
+        """The goals of objects that have to be somewhere."""
+        goals = self.scene.goals.items()
+        return {i: goal for i, goal in goals if isinstance(goal, RegionGoal | PoseGoal)}
 
     def wanted(self, here: Arrangement) -> Iterable[int]:
         """Objects of which something is wanted."""
@@ -408,10 +414,12 @@ class TabletopWorld:
         fixed = self.goals.get(index)
         if fixed is not None:
             return fixed
-        goal = self.scene.goals.get(index)
+        goal = self.placed_goals.get(index)
         return None if goal is None else self._sites(index, goal, here)
 
-    def _sites(self, index: int, goal: Goal, here: Arrangement | None) -> GoalSites:
+    def _sites(
+        self, index: int, goal: RegionGoal | PoseGoal, here: Arrangement | None
+    ) -> GoalSites:
         """The sites of a goal; on a support that can be moved they are where it is now."""
         ground = self.grounds[goal.surface]
         below = (0.0, 0.0, 0.0, 0.0)

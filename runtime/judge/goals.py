@@ -10,6 +10,7 @@ import numpy as np
 from runtime.judge.footing import REST, Poses, footings, support_pose
 from runtime.world.goals import AnyOf, Goal, IsHeld, RestsAt, RestsOn, Spelled
 from runtime.world.poses import Floats
+from runtime.world.snap import middle_of, resting_heading
 from runtime.world.world import Support, World
 
 NUMERIC = 1e-4
@@ -67,14 +68,17 @@ class _Decision:
     def _lack_at(self, goal: RestsAt) -> str | None:
         if not self._is_on(goal.body, goal.support):
             return f"{goal.body} is not on {goal.support}"
-        local = self._local(self.world.index(goal.body), self.supports[goal.support])
+        index = self.world.index(goal.body)
+        local = self._local(index, self.supports[goal.support])
+        body = self.world.movables[index].body
         assert local is not None
-        error = math.hypot(local[0, 3] - goal.x, local[1, 3] - goal.y)
+        x, y, _ = middle_of(body, local[:3])
+        error = math.hypot(x - goal.x, y - goal.y)
         if error > goal.tolerance + NUMERIC:
             return f"{goal.body} is {1000 * error:.1f} mm from its goal pose"
         if goal.yaw is not None:
             turn = 2 * math.pi / max(1, goal.symmetry)
-            off = math.remainder(math.atan2(local[1, 0], local[0, 0]) - goal.yaw, turn)
+            off = math.remainder(resting_heading(body, local[:3]) - goal.yaw, turn)
             if abs(off) > goal.yaw_tolerance + NUMERIC:
                 return f"{goal.body} is turned {abs(off):.3f} rad from its goal pose"
         return None

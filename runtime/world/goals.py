@@ -15,9 +15,10 @@ class RestsOn:
 
 @dataclass(frozen=True)
 class RestsAt:
-    """A body rests on a support, its origin within `tolerance` metres of a point there: x, y in
-    the support's frame. `yaw` is its heading there, radians, where that matters: within
-    `yaw_tolerance`, and up to turns by a full circle divided by `symmetry`."""
+    """A body rests on a support, its middle (that of the box around it, along its own axes)
+    within `tolerance` metres of a point there: x, y in the support's frame. `yaw` is its heading
+    there, that of its stable pose, radians, where that matters: within `yaw_tolerance`, and up
+    to turns by a full circle divided by `symmetry`."""
 
     body: str
     support: str

@@ -15,7 +15,7 @@ from sketchlang import files, reading
 from sketchlang.cli.last import INTERRUPTED
 from sketchlang.diagnostics import Label
 from sketchlang.domain import Domain
-from sketchlang.errors import InputError
+from sketchlang.errors import CollectedInputError, InputError
 from sketchlang.escape import shown_line, visible
 from sketchlang.loader import PDDL, Loaded, load_sketch, pddl_domain
 from sketchlang.model import Rule
@@ -97,7 +97,8 @@ def fail(problem: str | Exception, hint: str | None = None) -> NoReturn:
     """Ends the command because of what the user asked for or gave."""
     # As an InputError it becomes one line, and one more for the hint.
     error = problem if isinstance(problem, InputError) else InputError(str(problem), hint=hint)
-    click.echo(f"error: {error}", err=True)
+    for each in error.errors if isinstance(error, CollectedInputError) else (error,):
+        click.echo(f"error: {each}", err=True)
     sys.exit(2)
 
 

@@ -220,4 +220,4 @@ class ClosedLoop:
             if name not in known
         )
         if new:
-            self._know(replace(self.scene, obstacles=self.scene.obstacles + new))
+            self._know(self.scene.with_boxes(new))

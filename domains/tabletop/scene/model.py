@@ -3,23 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from runtime.world import goals as world_goals
-from runtime.world.body import Body, Part
-from runtime.world.poses import upright
+from runtime.world.body import Body
+from runtime.world.making import standing
+from runtime.world.poses import Pose, compose, heading, upright
+from runtime.world.snap import resting_pose
 from runtime.world.solids import Box
+from runtime.world.stable import StablePose
 from runtime.world.world import Fixed, Movable, Support, World
 
 Floats = NDArray[np.float64]
-
-DENSITY = 500.0
-"""kg/m^3 of objects whose scene does not give their mass: light wood."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,60 +74,162 @@ class Surface:
 
 
 @dataclass(frozen=True, slots=True)
+class Start:
+    """Where an object rests at the start: the index of the support, the number of its stable
+    pose, where its middle is (x, y) and its heading, in the world. `others` are further supports
+    that bear it, at the same height."""
+
+    support: int
+    stable: int
+    x: float
+    y: float
+    yaw: float
+    others: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
 class SceneObject:
-    """A movable box: its size, and the pose (x, y, heading) in which it starts."""
+    """Something that can be moved, its stable poses, and how it rests at the start."""
 
     name: str
-    size: tuple[float, float, float]
-    start: tuple[float, float, float]
-    surface: int
+    body: Body
+    stable: tuple[StablePose, ...]
+    rests: Start
     colour: str | None = None
     letter: str | None = None
+
+    @cached_property
+    def size(self) -> tuple[float, float, float]:
+        """The full size of the box around the body, along the axes of its frame."""
+        low, high = self.body.bounds
+        x, y, z = (high - low).tolist()
+        return x, y, z
+
+    @property
+    def start(self) -> tuple[float, float, float]:
+        """x, y and heading at the start."""
+        return self.rests.x, self.rests.y, self.rests.yaw
+
+    @property
+    def surface(self) -> int:
+        """The index of the support at the start."""
+        return self.rests.support
 
 
 @dataclass(frozen=True, slots=True)
 class RegionGoal:
-    """The object must stand anywhere on a surface."""
+    """The object must rest anywhere on a support."""
 
-    surface: int
+    support: int
+
+    @property
+    def surface(self) -> int:
+        """The index of the support."""
+        return self.support
 
 
 @dataclass(frozen=True, slots=True)
 class PoseGoal:
-    """The object must stand within `tolerance` of a point, in any heading."""
+    """The object must rest within `tolerance` metres of a point of a support, with a heading
+    (radians, up to the symmetry of its stable pose) or any. In the world; in the frame of the
+    support where that belongs to something that can be moved. `others` bear it as well."""
 
-    surface: int
+    support: int
     x: float
     y: float
+    yaw: float | None
     tolerance: float
+    others: tuple[int, ...] = ()
+
+    @property
+    def surface(self) -> int:
+        """The index of the support."""
+        return self.support
+
+
+@dataclass(frozen=True, slots=True)
+class HeldGoal:
+    """The object must be in the gripper."""
+
+
+@dataclass(frozen=True, slots=True)
+class AnyGoal:
+    """At least one of some goals for the object must hold."""
+
+    alternatives: tuple[RegionGoal | PoseGoal | HeldGoal, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class WordGoal:
-    """Blocks must spell a word on a surface, letters in a row, `pitch` between centres."""
+    """Blocks must spell a word on a support, letters in a row, `pitch` between centres."""
 
     word: str
-    surface: int
+    support: int
     pitch: float
     tolerance: float
 
+    @property
+    def surface(self) -> int:
+        """The index of the support."""
+        return self.support
 
-Goal = RegionGoal | PoseGoal
+
+SingleGoal = RegionGoal | PoseGoal | HeldGoal
+Goal = SingleGoal | AnyGoal
 
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """A scene; `goals` maps the index of an object to what is wanted of it."""
+    """A scene; `goals` maps the index of an object to what is wanted of it.
 
-    name: str
-    robot_start: tuple[float, float, float]
-    surfaces: tuple[Surface, ...]
-    obstacles: tuple[Obstacle, ...]
+    Supports are in this order: tables, boards of shelves, bins, the floor, tops of objects.
+    """
+
+    world: World
     objects: tuple[SceneObject, ...]
     goals: dict[int, Goal]
     word: WordGoal | None
-    digest: str
     families: tuple[int, ...] = (0,)
+
+    @property
+    def name(self) -> str:
+        """What the scene is called."""
+        return self.world.name
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of its file."""
+        return self.world.digest
+
+    @property
+    def robot_start(self) -> tuple[float, float, float]:
+        """x, y and heading of the robot's base."""
+        return self.world.robot_start
+
+    @property
+    def supports(self) -> tuple[Support, ...]:
+        """Where things can rest."""
+        return self.world.supports
+
+    @cached_property
+    def surfaces(self) -> tuple[Surface, ...]:
+        """The tops of tables: the first of the supports."""
+        fixed = {thing.name: thing for thing in self.world.fixed}
+        tables = []
+        for support in self.supports:
+            owner = fixed.get(support.owner)
+            if owner is None or support.name != owner.name or len(owner.body.parts) > 1:
+                break
+            rest = float(support.pose[2, 3])
+            tables.append(Surface(support.name, _upright_boxes(owner)[0], support.half, rest))
+        return tuple(tables)
+
+    @cached_property
+    def obstacles(self) -> tuple[Obstacle, ...]:
+        """The boxes of everything that never moves."""
+        return tuple(
+            Obstacle(thing.name, box) for thing in self.world.fixed for box in _upright_boxes(thing)
+        )
 
     @cached_property
     def obstacle_rows(self) -> Floats:
@@ -138,56 +239,39 @@ class Scene:
     def object_box(self, index: int, x: float, y: float, yaw: float, surface: int) -> UprightBox:
         """The box of an object that stands at a pose on a surface."""
         size = self.objects[index].size
-        return UprightBox((x, y, self.surfaces[surface].rest + size[2] / 2), size, yaw)
+        rest = float(self.supports[surface].pose[2, 3])
+        return UprightBox((x, y, rest + size[2] / 2), size, yaw)
 
-    @cached_property
-    def world(self) -> World:
-        """The geometry of the scene: all that the judge, traces, physics and drawings need."""
-        return World(
-            name=self.name,
-            digest=self.digest,
-            robot_start=self.robot_start,
-            fixed=tuple(
-                Fixed(o.name, box_body(o.box.size), upright(*_foot(o.box), o.box.yaw))
-                for o in self.obstacles
-            ),
-            movables=tuple(
-                Movable(
-                    thing.name,
-                    box_body(thing.size),
-                    upright(*thing.start[:2], self.surfaces[thing.surface].rest, thing.start[2]),
-                    thing.colour,
-                    thing.letter,
-                )
-                for thing in self.objects
-            ),
-            supports=tuple(
-                Support(s.name, s.name, upright(*s.table.centre[:2], s.rest, s.table.yaw), s.half)
-                for s in self.surfaces
-            ),
-            goals=tuple(self._wanted()),
-        )
-
-    def _wanted(self) -> Iterator[world_goals.Goal]:
-        for index, goal in self.goals.items():
-            body, surface = self.objects[index].name, self.surfaces[goal.surface]
-            if isinstance(goal, PoseGoal):
-                x, y = surface.table.local(goal.x, goal.y)
-                yield world_goals.RestsAt(body, surface.name, x, y, goal.tolerance)
-            else:
-                yield world_goals.RestsOn(body, surface.name)
-        if self.word is not None:
-            word, surface = self.word, self.surfaces[self.word.surface]
-            yield world_goals.Spelled(word.word, surface.name, word.pitch, word.tolerance)
+    def with_boxes(self, boxes: Sequence[Obstacle]) -> Scene:
+        """The scene with further things that never move."""
+        fixed = (*self.world.fixed, *(fixed_box(o.name, o.box) for o in boxes))
+        return replace(self, world=replace(self.world, fixed=fixed))
 
 
-def box_body(size: tuple[float, float, float]) -> Body:
-    """A box as a body: its frame is in the middle of its bottom."""
-    solid = Box(size)
-    middle = upright(0.0, 0.0, size[2] / 2, 0.0)
-    return Body((Part(solid, middle),), DENSITY * solid.volume, (0.0, 0.0, size[2] / 2))
+def _upright_boxes(thing: Fixed) -> list[UprightBox]:
+    boxes = []
+    for part in thing.body.parts:
+        pose = compose(thing.pose, part.pose)
+        if isinstance(part.solid, Box):
+            x, y, z = pose[:, 3].tolist()
+            boxes.append(UprightBox((x, y, z), part.solid.size, heading(pose)))
+    return boxes
 
 
-def _foot(box: UprightBox) -> tuple[float, float, float]:
+def fixed_box(name: str, box: UprightBox) -> Fixed:
+    """A box that never moves."""
     x, y, z = box.centre
-    return x, y, z - box.size[2] / 2
+    return Fixed(name, standing(Box(box.size)), upright(x, y, z - box.size[2] / 2, box.yaw))
+
+
+def support_in_world(support: Support, owners: Mapping[str, Pose]) -> Pose:
+    """The pose of a support in the world, where those of movable things are known by name."""
+    owner = owners.get(support.owner)
+    return support.pose if owner is None else compose(owner, support.pose)
+
+
+def movable(thing: SceneObject, z: float) -> Movable:
+    """An object at its start, on a support at height z."""
+    start = thing.rests
+    pose = resting_pose(thing.stable[start.stable], start.x, start.y, z, start.yaw)
+    return Movable(thing.name, thing.body, pose, thing.colour, thing.letter)

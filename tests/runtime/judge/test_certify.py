@@ -167,7 +167,7 @@ def test_fingers_do_not_open_into_what_stands_beside_them(
     finger = robot.gripper.links - {"gripper_link"}
     x, y, z = next(links[link][0] @ [0.11, 0.0, 0.0, 1.0] for link in sorted(finger))[:3]
     pebble = Obstacle("pebble", UprightBox((x, y, z), (0.004, 0.004, 0.004)))
-    scene = dataclasses.replace(sticks, obstacles=(*sticks.obstacles, pebble))
+    scene = sticks.with_boxes([pebble])
     rejected(certify(parse(tmp_path, plan_data), scene.world, robot), "hits pebble")
 
 
@@ -296,13 +296,12 @@ def test_an_object_moved_under_an_unchanged_digest_is_not_gripped(
     index = [o.name for o in sticks.objects].index(
         plan_data["actions"][first]["arguments"]["object"]
     )
-    x, y, yaw = sticks.objects[index].start
-    moved = dataclasses.replace(sticks.objects[index], start=(x - 0.15, y, yaw))
-    objects = (*sticks.objects[:index], moved, *sticks.objects[index + 1 :])
-    scene = dataclasses.replace(sticks, objects=objects)
-    rejected(
-        certify(parse(tmp_path, plan_data), scene.world, robot), "not between the fingers", "hits"
-    )
+    things = list(sticks.world.movables)
+    pose = things[index].pose.copy()
+    pose[0, 3] -= 0.15
+    things[index] = dataclasses.replace(things[index], pose=pose)
+    world = dataclasses.replace(sticks.world, movables=tuple(things))
+    rejected(certify(parse(tmp_path, plan_data), world, robot), "not between the fingers", "hits")
 
 
 def test_a_grip_that_never_closes_is_missed(judge, plan_data) -> None:

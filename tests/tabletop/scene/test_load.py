@@ -85,12 +85,12 @@ def test_the_fence_encloses_a_square(tmp_path) -> None:
 
 def test_goals_by_colour_name_and_point(tmp_path) -> None:
     scene = read(tmp_path, SCENE)
-    assert scene.goals == {0: RegionGoal(1), 1: PoseGoal(1, 0.9, -1.0, 0.005)}
+    assert scene.goals == {0: RegionGoal(1), 1: PoseGoal(1, 0.9, -1.0, None, 0.005)}
 
 
 def test_goal_at_the_start_is_where_the_object_began(tmp_path) -> None:
     scene = read(tmp_path, SCENE.replace("at = [0.9, -1.0]", 'at = "start"'))
-    assert scene.goals[1] == PoseGoal(0, 0.9, 0.7, 0.005)
+    assert scene.goals[1] == PoseGoal(0, 0.9, 0.7, None, 0.005)
 
 
 def test_word_goal(tmp_path) -> None:
@@ -150,7 +150,7 @@ def test_the_number_in_a_name_counts_the_tables_and_the_objects() -> None:
 def test_the_example_of_the_documentation_loads(tmp_path) -> None:
     scene = read(tmp_path, example_of_the_documentation())
     assert [thing.name for thing in scene.objects] == ["blue_stick", "cup"]
-    assert scene.goals == {0: RegionGoal(1), 1: PoseGoal(1, 0.9, -1.0, 0.005)}
+    assert scene.goals == {0: RegionGoal(1), 1: PoseGoal(1, 0.9, -1.0, None, 0.005)}
 
 
 # -- mistakes ----------------------------------------------------------------------------------
@@ -170,8 +170,8 @@ MISTAKES = {
     "table for tables": (("[[wall]]", "[wall]"), "wall", None),
     "no tables": (
         (SCENE[SCENE.index("[[table]]") : SCENE.index("[[wall]]")], ""),
-        "[[table]]",
-        None,
+        "not on a table",
+        "floor",
     ),
     "no goals": ((SCENE[SCENE.index("[[goal]]") :], ""), "[[goal]]", "[[goal]]"),
     "negative size": (("size = [0.04, 0.04, 0.2]", "size = [0.04, -0.04, 0.2]"), "blue1", None),
