@@ -33,7 +33,7 @@ def make_report(result: Result) -> dict[str, Any]:
     }
     if not outcome.solved:
         report["reason"] = outcome.reason
-        report["why"] = task.reporting.why(outcome)
+        report["why"] = outcome.why
         if outcome.stuck is not None:
             names = [feature.name for feature in task.sketch.model.features]
             report["stuck"] = dict(zip(names, outcome.stuck, strict=True))

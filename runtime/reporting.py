@@ -6,11 +6,12 @@ import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 from runtime.search.classical import ClassicalProblem
 from runtime.search.siw_r import Outcome
 from sketchlang.files import write_text
+from sketchlang.loader import Loaded
 from sketchlang.model import SketchModel
 
 Profile = dict[str, dict[str, float]]
@@ -43,6 +44,19 @@ class Document(Protocol):
         ...
 
 
+@runtime_checkable
+class Watchable(Protocol):
+    """A document with motions that can be watched."""
+
+    def show(self, sketch: Loaded, path: Path) -> None:
+        """Write the page to watch the plan in a browser.
+
+        Raises:
+            InputError: there is nothing to watch, or the file cannot be written.
+        """
+        ...
+
+
 class Reporting(Protocol):
     """A problem as people and files see it."""
 
@@ -65,6 +79,10 @@ class Reporting(Protocol):
 
     def document(self, model: SketchModel, outcome: Outcome, planner: str, seed: int) -> Document:
         """The plan of an outcome, as far as it came."""
+        ...
+
+    def hopeless(self) -> list[dict[str, Any]]:
+        """Findings that make the task impossible, before any search; empty where none are."""
         ...
 
     def why(self, outcome: Outcome) -> list[dict[str, Any]]:
@@ -152,6 +170,10 @@ class ClassicalReporting:
     def document(self, model: SketchModel, outcome: Outcome, planner: str, seed: int) -> Document:
         """The plan of an outcome."""
         return ClassicalDocument(self.problem.problem, model.name, planner, seed, outcome)
+
+    def hopeless(self) -> list[dict[str, Any]]:
+        """Nothing is known before the search."""
+        return []
 
     def why(self, outcome: Outcome) -> list[dict[str, Any]]:
         """Nothing is known of what is in the way."""

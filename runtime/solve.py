@@ -46,6 +46,10 @@ def solve(
         return PLANNERS[planner](sketch, problem, limits, rng, progress)
 
 
+SAID = 3
+"""Findings that are told in the reason for an unsolved task; all are in the report."""
+
+
 @dataclass(frozen=True, eq=False)
 class Task:
     """A sketch and a scene, ready to be solved."""
@@ -66,8 +70,16 @@ class Task:
         self.reporting.warm_up()
         limits = limits or Limits()
         limits.restart()
-        rng = np.random.default_rng(self.seed)
-        outcome = solve(self.sketch, self.problem, limits, rng, planner, progress)
+        hopeless = self.reporting.hopeless()
+        if hopeless:
+            outcome = Outcome(state=self.problem.initial, seconds=limits.elapsed())
+            outcome.reason = "; ".join(finding["text"] for finding in hopeless[:SAID])
+            outcome.why, outcome.stuck = hopeless, self.sketch.evaluate(self.problem.initial)
+        else:
+            rng = np.random.default_rng(self.seed)
+            outcome = solve(self.sketch, self.problem, limits, rng, planner, progress)
+            if not outcome.solved:
+                outcome.why = self.reporting.why(outcome)
         document = self.reporting.document(self.sketch.model, outcome, planner, self.seed)
         return Result(self, planner, outcome, document)
 

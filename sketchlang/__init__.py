@@ -1,7 +1,26 @@
-"""The sketch language: text in, values out.
+"""The sketch language: text in, values out; and, in front of it, all that Python users need.
 
-The package is pure: it knows nothing of geometry and touches files only in
-`sketchlang.loader`. `docs/architecture.md` says where everything is.
+`load`, `check`, `terminate` and `plan` are those of `sketchlang.api`, which is imported when one
+of them is first used: the language itself knows nothing of geometry, and touches files only in
+`sketchlang.loader` and its neighbours. `docs/architecture.md` says where everything is.
 """
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from sketchlang.api import Plan, Result, check, load, plan, terminate
+
 __version__ = "0.1.0"
+
+__all__ = ["Plan", "Result", "__version__", "check", "load", "plan", "terminate"]
+
+
+def __getattr__(name: str) -> Any:
+    # `sketchlang.check` is a package as well: once that is imported, its name stands for it.
+    if name in __all__:
+        from sketchlang import api
+
+        return getattr(api, name)
+    raise AttributeError(f"module 'sketchlang' has no attribute {name!r}")

@@ -77,7 +77,9 @@ ARRAYS = ("listing", "valuations", "verify_ranks")
 
 ARRAY_MODULES = tuple(f"sketchlang.analysis.{name}" for name in ARRAYS)
 
-LANGUAGE = [path for path in modules("sketchlang") if path.parts[1] not in ("cli", "api.py", "__main__.py")]
+LANGUAGE = [
+    path for path in modules("sketchlang") if path.parts[1] not in ("cli", "api.py", "__main__.py")
+]
 
 
 @pytest.mark.parametrize("path", LANGUAGE, ids=str)

@@ -8,13 +8,14 @@ turning the object about z is all that a placement does.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from domains.tabletop.hand import Hand
-from domains.tabletop.state import FAMILIES, PINCH, SIDE, TOP, Grasp
+from domains.tabletop.state import PINCH, SIDE, TOP, Grasp
 from runtime.world.body import Body, Part
 from runtime.world.outline import vertices_and_edges
 from runtime.world.poses import Floats, Pose, apply, compose, upright
@@ -259,10 +260,10 @@ def _is_round(part: Part) -> bool:
     return centred and (kind == "Sphere" or (kind in {"Cylinder", "Capsule"} and upright))
 
 
-def why_not(item: Item, hand: Hand) -> str | None:
-    """Why no hand of any family can take an object, in a few words; None where one can."""
+def why_not(item: Item, hand: Hand, families: Sequence[int]) -> str | None:
+    """Why no hand of some families can take an object, in a few words; None where one can."""
     angles = np.linspace(0.0, 2 * math.pi, 48, endpoint=False)
-    holds = [item.holds(hand, family, angles) for family in range(len(FAMILIES))]
+    holds = [item.holds(hand, family, angles) for family in families]
     if any(hold is not None and hold.fits.any() for hold in holds):
         return None
     if 9.81 * item.body.mass > hand.max_weight:

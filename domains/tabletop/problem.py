@@ -34,6 +34,7 @@ class TabletopSubproblem:
     samples: Samples
     executor: Executor
     seeds: int
+    sampled = True
 
     def actions(self, state: State) -> list[tuple[Action, State]]:
         """Sampled ground actions and the states they lead to."""

@@ -10,18 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 from domains.tabletop.actions.actions import Action, MoveBase
 from domains.tabletop.actions.document import document
-from domains.tabletop.features.functions import (
-    arrangement,
-    disturbances,
-    misplaced,
-    obstructions,
-)
-from domains.tabletop.items import why_not
+from domains.tabletop.why import after, before
 from domains.tabletop.world import TabletopWorld
 from runtime.plan.model import Plan
 from runtime.plan.write import write_plan
 from runtime.reporting import Profile
 from runtime.search.siw_r import Outcome
+from sketchlang.loader import Loaded
 from sketchlang.model import SketchModel
 
 if TYPE_CHECKING:
@@ -39,6 +34,17 @@ class TabletopDocument:
     def save(self, path: Path) -> None:
         """Write the plan file."""
         write_plan(self.plan, path)
+
+    def show(self, sketch: Loaded, path: Path) -> None:
+        """Write the page to watch the plan in a browser."""
+        from runtime.show.page import page
+        from runtime.trace.make import trace_of_plan
+        from runtime.trace.sketch import trace_sketch
+        from sketchlang.files import write_text
+
+        world = self.world
+        trace = trace_of_plan(self.plan, world.scene.world, world.robot, trace_sketch(sketch))
+        write_text(path, page(trace))
 
     def validate(self) -> Certificate:
         """Replay the plan in exact geometry."""
@@ -86,29 +92,10 @@ class TabletopReporting:
         world = self.problem.world
         return TabletopDocument(world, document(world, model, outcome, planner, seed))
 
+    def hopeless(self) -> list[dict[str, Any]]:
+        """What makes the task impossible, whatever a search would do."""
+        return before(self.problem)
+
     def why(self, outcome: Outcome) -> list[dict[str, Any]]:
-        """What keeps each misplaced object from its goal, by the estimate of the features."""
-        world, state = self.problem.world, outcome.state
-        here = arrangement(world, state.placements)
-        names = [item.name for item in world.items]
-        found: list[dict[str, Any]] = []
-
-        def say(index: int, cause: str, text: str) -> None:
-            found.append({"object": names[index], "cause": cause, "text": f"{names[index]} {text}"})
-
-        for index in sorted(misplaced(state)):
-            goal = world.goal_sites(index, here)
-            assert goal is not None
-            cannot = why_not(world.items[index], world.hand)
-            if cannot is not None:
-                say(index, "cannot be grasped", cannot)
-            elif state.held != index and not here.is_reachable(index):
-                say(index, "out of reach", "is out of reach: there is nowhere to stand for it")
-            elif not any(here.places_of(index, goal, f).reachable.any() for f in world.families):
-                say(index, "goal out of reach", "has a goal out of reach: nowhere to stand for it")
-            elif obstructions(state, index):
-                way = ", ".join(names[i] for i in here.in_the_way(index, goal))
-                say(index, "obstructed", f"is obstructed, at its place or its goal, by {way}")
-            elif disturbances(state, index):
-                say(index, "disturbs", "would obstruct others at its goal")
-        return found
+        """What keeps each misplaced object from its goal."""
+        return after(self.problem.world, outcome)

@@ -53,8 +53,7 @@ def iw(query: Query) -> tuple[Node, str] | None:
         effort.expanded += 1
         candidates: list[tuple[bool, int, Action, State, tuple[Hashable, ...], str | None]] = []
         for action, state in subproblem.actions(node.state):
-            limits.check()
-            effort.generated += 1
+            query.generate()
             atoms = guide.atoms(state)
             if table.is_novel(atoms):
                 rule = guide.fired(query.before, guide.values(state), state)

@@ -62,6 +62,7 @@ class LazyIW:
         self.guide = query.guide
         self.subproblem = query.subproblem
         self.execute = query.execute
+        self.generate = query.generate
         self.before = query.before
         self.k = query.k
         self.limits = query.limits
@@ -106,11 +107,10 @@ class LazyIW:
     def _expand(self, node: LazyNode) -> Iterator[None]:
         """Generate the children of a node; pauses whenever there are new candidates."""
         for action, state in self.subproblem.actions(node.state):
-            self.limits.check()
             if action in node.tried:
                 continue
             node.tried.add(action)
-            self.effort.generated += 1
+            self.generate()
             child = self.nodes.get(state)
             known = child is not None
             if child is None:

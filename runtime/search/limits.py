@@ -10,14 +10,22 @@ class OutOfTimeError(Exception):
     """The time given to a search is over."""
 
 
+class OutOfPatienceError(Exception):
+    """A subproblem has taken as many candidates as it may."""
+
+
 @dataclass
 class Limits:
     """`timeout` in seconds from the start; `k_max` bounds the width of IW(k); `attempts`
-    is how often a subproblem is sampled before it is given up."""
+    is how often a subproblem is sampled before it is given up. It is given up, too, after so
+    many `rejections` of X, or so many nodes `generated` where its actions are sampled: counts
+    and not times, so that the same seed gives the same plan on every machine."""
 
     timeout: float | None = None
     k_max: int = 2
     attempts: int = 5
+    rejections: int = 500
+    generated: int = 40_000
     start: float = field(default_factory=time.perf_counter)
 
     def restart(self) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from runtime.search.guide import Guide, Values
-from runtime.search.limits import Limits
+from runtime.search.limits import Limits, OutOfPatienceError
 from runtime.search.problem import Action, Motion, Rejection, State, Subproblem
 
 
@@ -22,6 +22,7 @@ class Query:
     """Find a subgoal of the state `start`, whose feature values are `before`, by IW(k).
 
     `effort` is counted up as the search goes on, so that it is known after a time-out, too.
+    `spent` is what searches of the same subproblem have generated before.
     """
 
     guide: Guide
@@ -32,11 +33,31 @@ class Query:
     limits: Limits
     effort: Effort = field(default_factory=Effort)
     rejections: list[Rejection] = field(default_factory=list)
+    spent: int = 0
+
+    def generate(self) -> None:
+        """Count a generated node.
+
+        Raises:
+            OutOfTimeError: the time is over.
+            OutOfPatienceError: the subproblem has had its share of candidates.
+        """
+        self.limits.check()
+        self.effort.generated += 1
+        sampled = len(self.rejections) > 0 or getattr(self.subproblem, "sampled", False)
+        if sampled and self.spent + self.effort.generated > self.limits.generated:
+            raise OutOfPatienceError
 
     def execute(self, state: State, action: Action) -> Motion | None:
-        """X: the motion of an action, or None; what X refuses is noted."""
+        """X: the motion of an action, or None; what X refuses is noted.
+
+        Raises:
+            OutOfPatienceError: X has refused as many candidates of the subproblem as it may.
+        """
         answer = self.subproblem.execute(state, action)
         if isinstance(answer, Rejection):
             self.rejections.append(answer)
+            if len(self.rejections) >= self.limits.rejections:
+                raise OutOfPatienceError
             return None
         return answer

@@ -13,14 +13,14 @@ from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Protocol, runtime_checkable
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
 from runtime.search.guide import Guide, Subgoal, Values
 from runtime.search.iw import iw
 from runtime.search.lazy_iw import LazyIW
-from runtime.search.limits import Limits, OutOfTimeError
+from runtime.search.limits import Limits, OutOfPatienceError, OutOfTimeError
 from runtime.search.problem import Action, Motion, Rejection, SearchProblem, State
 from runtime.search.query import Effort, Query
 from sketchlang.compile import CompiledSketch
@@ -32,7 +32,8 @@ class Outcome:
     """What a search reached, and the seconds it took. Where it did not solve the problem,
     `reason` says why it ended, `stuck` are the feature values there, and `rejections` what X
     refused in the last subproblem; `returned_to` is set where the state was that after so
-    many subgoals again: the sketch runs in a circle."""
+    many subgoals again: the sketch runs in a circle. `why` are findings about what is in the
+    way of what."""
 
     solved: bool = False
     subgoals: list[Subgoal] = field(default_factory=list)
@@ -43,6 +44,7 @@ class Outcome:
     rejections: list[Rejection] = field(default_factory=list)
     seconds: float = 0.0
     returned_to: int | None = None
+    why: list[dict[str, Any]] = field(default_factory=list)
 
 
 Progress = Callable[[Subgoal, float], None]
@@ -165,13 +167,19 @@ def find_subgoal(
     """
     values = guide.values(state)
     guided = not guide.model.rules or bool(guide.applicable(values))
+    spent = 0
     for attempt, k in schedule(limits, guided):
         limits.check()
         subproblem = problem.subproblem(state, attempt, rng)
-        query = Query(guide, subproblem, state, values, k, limits, rejections=rejections)
+        query = Query(
+            guide, subproblem, state, values, k, limits, rejections=rejections, spent=spent
+        )
         try:
             found = search(query)
+        except OutOfPatienceError:
+            return None
         finally:
+            spent += query.effort.generated
             effort.expanded += query.effort.expanded
             effort.generated += query.effort.generated
         if found is not None:

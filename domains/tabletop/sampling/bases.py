@@ -59,6 +59,20 @@ class BaseSampler:
                     count[placement.support] = count.get(placement.support, 0) + 1
         return bases, served
 
+    def stand(
+        self,
+        state: State,
+        index: int,
+        placement: Placement,
+        grasp: Grasp,
+        rng: np.random.Generator,
+        narrow: bool,
+    ) -> BasePose | None:
+        """A base pose for a grasp: where the robot stands, if it cannot drive."""
+        if self.world.is_fixed:
+            return None if narrow else state.base
+        return self.pose_for(state, index, placement, grasp, rng, narrow)
+
     def pose_for(
         self,
         state: State,

@@ -44,7 +44,7 @@ class PlacementSampler:
         number = PLACEMENTS * draw.scale
         found: list[Placement] = []
         if goal is not None and (draw.doubting or obstructions(state, index) == 0):
-            found = self._at_goal(draw, goal, number)
+            found = self.at_goal(draw, goal, number)
             if draw.attempt == 0 and any(disturbed_by(state, index, p) == 0 for p in found):
                 return found
         aside = []
@@ -73,7 +73,7 @@ class PlacementSampler:
         goal = self.world.goal_sites(index, arrangement(self.world, state.placements))
         if goal is None:
             return []
-        return self._at_goal(replace(draw, state=replace(state, grasp=grasp)), goal, draw.scale)
+        return self.at_goal(replace(draw, state=replace(state, grasp=grasp)), goal, draw.scale)
 
     def anywhere(self, draw: Draw) -> tuple[list[Placement], int]:
         """Placements for whatever will be picked up, unoccupied for the largest object, and
@@ -136,7 +136,8 @@ class PlacementSampler:
         assert at is not None, "placements are sampled on supports that rest"
         return self.world.box_row(index, at)
 
-    def _at_goal(self, draw: Draw, goal: GoalSites, number: int) -> list[Placement]:
+    def at_goal(self, draw: Draw, goal: GoalSites, number: int) -> list[Placement]:
+        """Placements of the held object at the sites of a goal."""
         if goal.region is not None:
             return self._free(draw, goal.support, number)
         _, grasp = draw.held
