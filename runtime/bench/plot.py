@@ -8,6 +8,9 @@ from typing import Any
 
 WIDTH, HEIGHT, LEFT, BOTTOM, TOP = 640, 360, 64, 48, 24
 
+MARK = "<!-- sketchlang bench scaling -->"
+"""In every plot: a picture without it is somebody's own."""
+
 
 def scaling_plot(results: Sequence[dict[str, Any]], sizes: Sequence[int]) -> str:
     """SVG text: milliseconds and expanded nodes an object moved, against the objects.
@@ -20,12 +23,14 @@ def scaling_plot(results: Sequence[dict[str, Any]], sizes: Sequence[int]) -> str
             points.setdefault(size, []).append(result)
     rows = sorted(points.items())
     time = [
-        (n, median(1000 * r["planning_time_s"] / r["objects_moved"] for r in g)) for n, g in rows
+        (n, median(1000 * r["planning_time_s"] / max(1, r["objects_moved"]) for r in g))
+        for n, g in rows
     ]
-    nodes = [(n, median(r["expanded"] / r["objects_moved"] for r in g)) for n, g in rows]
+    nodes = [(n, median(r["expanded"] / max(1, r["objects_moved"]) for r in g)) for n, g in rows]
     parts = [
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH}" height="{HEIGHT}" '
         'font-family="sans-serif" font-size="12">',
+        MARK,
         f'<rect width="{WIDTH}" height="{HEIGHT}" fill="white"/>',
         f'<text x="{WIDTH / 2}" y="{HEIGHT - 10}" text-anchor="middle">objects</text>',
     ]
@@ -51,7 +56,7 @@ def _curve(
     points: Sequence[tuple[int, float]], right: float, colour: str, label: str, place: int
 ) -> list[str]:
     """One curve from zero to its own greatest value, with its values written beside it."""
-    greatest = max(value for _, value in points) * 1.25
+    greatest = max(value for _, value in points) * 1.25 or 1.0
     marks = []
     corners = []
     for n, value in points:

@@ -2,111 +2,39 @@
 
 from __future__ import annotations
 
-import json
-import multiprocessing
 import os
-from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
-from dataclasses import asdict, dataclass
-from pathlib import Path
+from collections.abc import Callable, Iterable
 from typing import Any
 
-from sketchlang.errors import InputError
+from runtime.bench.pool import run_jobs
+from runtime.bench.store import Job, Result, Store, new_result
 
-
-@dataclass(frozen=True, order=True)
-class Job:
-    """One planning: everything that its result depends on, given the version."""
-
-    sketch: str
-    scene: str
-    planner: str
-    seed: int
-    timeout: float
-
-
-def read_results(path: Path) -> list[dict[str, Any]]:
-    """The results stored so far; a last line that was cut off is left out.
-
-    Raises:
-        InputError: the file is not one of results.
-    """
-    if not path.exists():
-        return []
-    results = []
-    lines = path.read_text(encoding="utf-8").split("\n")
-    for number, line in enumerate(lines):
-        if not line.strip():
-            continue
-        try:
-            result = json.loads(line)
-            result["job"]["scene"]
-        except (json.JSONDecodeError, KeyError, TypeError):
-            if number == len(lines) - 1:
-                break  # the process was killed while it wrote
-            raise InputError(
-                "is not a line of results", place=f"{path}: line {number + 1}"
-            ) from None
-        results.append(result)
-    return results
-
-
-def key(result: dict[str, Any]) -> Job:
-    """The job that a stored result belongs to."""
-    return Job(**result["job"])
+GRACE = 300.0
+"""Seconds that a run may take beyond its time limit: kernels are compiled, plans certified."""
 
 
 def run_all(
-    jobs: Iterable[Job], path: Path, processes: int, done: Callable[[dict[str, Any]], None]
-) -> None:
-    """Run jobs that have no result in the file yet and append each result when it is ready.
+    jobs: Iterable[Job],
+    store: Store,
+    processes: int,
+    done: Callable[[Result], None],
+    work: Callable[[Job], dict[str, Any]] | None = None,
+) -> list[tuple[Job, str]]:
+    """Run jobs that have no result in a store yet and append each result when it is ready.
 
-    Every line is written and flushed at once: whoever kills this loses only what is running.
+    Whoever kills this loses only what is running. Returns the jobs without a result, and why.
     """
-    finished = {key(result) for result in read_results(path)}
-    pending = [job for job in jobs if job not in finished]
-    _end_last_line(path)
+    pending = [job for job in dict.fromkeys(jobs) if job not in store.results]
     # Planning times are those of one core.
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"):
         os.environ.setdefault(name, "1")
-    context = multiprocessing.get_context("spawn")
-    with (
-        path.open("a", encoding="utf-8") as file,
-        ProcessPoolExecutor(processes, mp_context=context) as pool,
-    ):
-        try:
-            for future in _as_ready(pool, pending, processes):
-                result = future.result()
-                file.write(json.dumps(result) + "\n")
-                file.flush()
-                os.fsync(file.fileno())
-                done(result)
-        except KeyboardInterrupt:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
 
+    def keep(job: Job, values: dict[str, Any]) -> None:
+        result = new_result(job, values)
+        store.append(result)
+        done(result)
 
-def _as_ready(
-    pool: ProcessPoolExecutor, jobs: Iterable[Job], processes: int
-) -> Iterator[Future[dict[str, Any]]]:
-    """Futures as they complete, no more submitted than can run."""
-    waiting: set[Future[dict[str, Any]]] = set()
-    for job in jobs:
-        waiting.add(pool.submit(run_job, job))
-        if len(waiting) >= processes:
-            ready, waiting = wait(waiting, return_when=FIRST_COMPLETED)
-            yield from ready
-    while waiting:
-        ready, waiting = wait(waiting, return_when=FIRST_COMPLETED)
-        yield from ready
-
-
-def _end_last_line(path: Path) -> None:
-    """Drop a last line that was cut off."""
-    if path.exists():
-        data = path.read_bytes()
-        if data and not data.endswith(b"\n"):
-            path.write_bytes(data[: data.rfind(b"\n") + 1])
+    return run_jobs(pending, processes, work or run_job, keep, lambda job: job.timeout + GRACE)
 
 
 def run_job(job: Job) -> dict[str, Any]:
@@ -120,7 +48,6 @@ def run_job(job: Job) -> dict[str, Any]:
     task = open_task(load_sketch(job.sketch).checked, job.scene, job.seed)
     result = task.solve(Limits(timeout=job.timeout), job.planner)
     report = make_report(result)
-    report["job"] = asdict(job)
     moved = {getattr(a, "object", None) for s in result.outcome.subgoals for a in s.actions[-1:]}
     report["objects_moved"] = len(moved - {None})
     if result.solved:

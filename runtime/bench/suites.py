@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from runtime.bench.paper import SCENES
-from runtime.bench.runner import Job
+from runtime.bench.store import Job
 from runtime.search.planners import PLANNERS
 from sketchlang.errors import InputError
 from sketchlang.files import write_text
+from sketchlang.reading import read_text
 
 SIZES = (10, 28, 56, 112, 200)
 
@@ -46,8 +48,8 @@ def jobs_of(
             raise InputError(f"the suite {suite} has no scene {scene!r}")
     return [
         Job("pick_and_place", scene, planner, seed, timeout)
-        for scene in (scenes or known_scenes)
-        for planner in chosen
+        for scene in dict.fromkeys(scenes or known_scenes)
+        for planner in dict.fromkeys(chosen)
         for seed in range(count)
     ]
 
@@ -57,6 +59,10 @@ def _scaling_scenes(folder: Path, sorting: Callable[[int, int], str]) -> list[st
     paths = []
     for size in SIZES:
         path = folder / f"sorting-{size}.toml"
-        write_text(path, sorting(size, size))
+        text = sorting(size, size)
+        if not os.path.lexists(path):
+            write_text(path, text)
+        elif read_text(path) != text:
+            raise InputError("is here already and not the scene of this suite", place=str(path))
         paths.append(str(path))
     return paths

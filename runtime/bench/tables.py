@@ -67,6 +67,8 @@ def share_table(results: Sequence[Result]) -> list[str]:
     lines = ["| scene | planner | MotionPlan | InverseKinematics | rest |", "|---|---|---|---|---|"]
     for (scene, planner), group in _groups(results):
         total = sum(result["planning_time_s"] for result in group)
+        if not total:
+            continue
         shares = [
             sum(result["profile"].get(step, {}).get("time_s", 0.0) for result in group) / total
             for step in ("motion_plan", "inverse_kinematics")
@@ -103,7 +105,7 @@ def scaling_table(results: Sequence[Result]) -> list[str]:
         if not solved:
             lines.append(f"| {size_of(scene)} | | 0/{len(group)} | | | | |")
             continue
-        moved = median(result["objects_moved"] for result in solved)
+        moved = max(1.0, median(result["objects_moved"] for result in solved))
         seconds = median(result["planning_time_s"] for result in solved)
         expanded = median(result["expanded"] for result in solved)
         lines.append(

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
+from typing import Any
 
 import click
 
-from sketchlang.cli.common import fail, interruptible
+from sketchlang import reading
+from sketchlang.cli.common import Number, fail, interruptible, say
 
 
 @click.command(
@@ -19,11 +22,19 @@ Run the same command again after an interruption: finished runs are not repeated
 """
 )
 @click.argument("suite", type=click.Choice(["paper", "scaling"]))
-@click.option("--seeds", type=click.IntRange(min=1), help="Runs of each; 10, and 3 for scaling.")
+@click.option(
+    "--seeds", type=click.IntRange(1, 10_000), help="Runs of each; 10, and 3 for scaling."
+)
 @click.option("--planner", "planners", multiple=True, help="Only these planners.")
 @click.option("--scene", "scenes", multiple=True, help="Only these scenes.")
-@click.option("--jobs", type=click.IntRange(min=1), help="Processes; as many as there are cores.")
-@click.option("--timeout", type=float, default=120.0, show_default=True, help="Seconds a run.")
+@click.option("--jobs", type=click.IntRange(1, 256), help="Processes; as many as there are cores.")
+@click.option(
+    "--timeout",
+    type=Number(min=0, max=1e6, min_open=True),
+    default=120.0,
+    show_default=True,
+    help="Seconds a run.",
+)
 @click.option(
     "--out",
     type=click.Path(path_type=Path, dir_okay=False),
@@ -43,43 +54,72 @@ def command(
 
     `paper`: the eight scenes of the paper with both planners. `scaling`: generated sorting
     scenes with 10 to 200 objects.
+
+    Exit 0: every run has a result. 1: some have none. 2: bad input.
     """
-    import os
     import sys
 
     from domains.tabletop.scene.generate import sorting_scene
-    from runtime.bench import runner, tables
+    from runtime.bench import store, tables
+    from runtime.bench.runner import run_all
     from runtime.bench.suites import jobs_of
     from sketchlang.errors import InputError
 
     path = out or Path(f"bench-{suite}.jsonl")
+    picture = path.with_suffix(".svg") if suite == "scaling" else None
     try:
+        if picture is not None:
+            _refuse_other_pictures(path, picture)
         wanted = jobs_of(suite, seeds, planners, scenes, timeout, path, sorting_scene)
-        stored = {runner.key(result) for result in runner.read_results(path)}
-        todo = sum(job not in stored for job in wanted)
-        if todo < len(wanted):
-            click.echo(f"{len(wanted) - todo} of {len(wanted)} are in {path}", err=True)
-        with click.progressbar(
-            length=todo, label="runs", show_eta=True, file=sys.stderr
-        ) as progress:
-            runner.run_all(
-                wanted, path, jobs or os.cpu_count() or 1, done=lambda _: progress.update(1)
-            )
-        results = {runner.key(result): result for result in runner.read_results(path)}
+        with store.opened(path, lambda: say(f"waiting: {path} is in use", err=True)) as results:
+            todo = sum(job not in results.results for job in wanted)
+            if todo < len(wanted):
+                say(f"{len(wanted) - todo} of {len(wanted)} are in {path}", err=True)
+            with click.progressbar(
+                length=todo, label="runs", show_eta=True, file=sys.stderr
+            ) as progress:
+                lost = run_all(
+                    wanted, results, jobs or os.cpu_count() or 1, lambda _: progress.update(1)
+                )
+        chosen = [results.results[job] for job in wanted if job in results.results]
+        _show(suite, chosen)
+        if picture is not None:
+            from runtime.bench.plot import scaling_plot
+            from sketchlang.files import write_text
+
+            write_text(picture, scaling_plot(chosen, [tables.size_of(r["scene"]) for r in chosen]))
+            say("", f"plot: {picture}")
     except InputError as error:
         fail(error)
-    chosen = [results[job] for job in wanted]
-    parts = [tables.scaling_table(chosen)] if suite == "scaling" else [tables.main_table(chosen)]
-    parts += [tables.profile_table(chosen), tables.share_table(chosen), tables.ratio_lines(chosen)]
-    click.echo("\n\n".join("\n".join(part) for part in parts if part))
-    if suite == "scaling":
-        from runtime.bench.plot import scaling_plot
-        from sketchlang.files import write_text
+    for result in chosen:
+        if not (result["solved"] and result.get("valid")):
+            reason = result.get("reason") or "; ".join(result.get("findings", []))
+            say(f"{result['scene']} {result['planner']} seed {result['seed']}: {reason}")
+    for job, reason in lost:
+        say(f"{job.scene} {job.planner} seed {job.seed}: no result, {reason}", err=True)
+    raise SystemExit(1 if lost else 0)
 
-        picture = path.with_suffix(".svg")
-        write_text(picture, scaling_plot(chosen, [tables.size_of(r["scene"]) for r in chosen]))
-        click.echo(f"\nplot: {picture}")
-    failed = [result for result in chosen if not (result["solved"] and result.get("valid"))]
-    for result in failed:
-        reason = result.get("reason") or "; ".join(result.get("findings", []))
-        click.echo(f"{result['scene']} {result['planner']} seed {result['seed']}: {reason}")
+
+def _show(suite: str, results: list[dict[str, Any]]) -> None:
+    """Print the tables."""
+    from runtime.bench import tables
+
+    first = tables.scaling_table if suite == "scaling" else tables.main_table
+    parts = [first(results), tables.profile_table(results), tables.share_table(results)]
+    for number, part in enumerate(part for part in [*parts, tables.ratio_lines(results)] if part):
+        say(*([""] if number else []), *part)
+
+
+def _refuse_other_pictures(path: Path, picture: Path) -> None:
+    """The plot has a name that nobody gave: it replaces plots only."""
+    from runtime.bench.plot import MARK
+    from sketchlang.errors import InputError
+    from sketchlang.files import check_output
+    from sketchlang.reading import read_text
+
+    if picture == path:
+        raise InputError("--out: the plot ends in .svg, so the results must not")
+    check_output(picture)
+    with reading.recording():  # of its own: the picture is read to know it, and may be replaced
+        if os.path.lexists(picture) and MARK not in read_text(picture):
+            raise InputError("is here already and not a plot of this suite", place=str(picture))

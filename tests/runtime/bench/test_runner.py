@@ -10,9 +10,10 @@ import pytest
 from click.testing import CliRunner
 
 from domains.tabletop.scene.generate import sorting_scene
-from runtime.bench import runner, tables
+from runtime.bench import store, tables
 from runtime.bench.plot import scaling_plot
-from runtime.bench.runner import Job
+from runtime.bench.runner import run_all
+from runtime.bench.store import Job
 from runtime.bench.suites import jobs_of
 from sketchlang.cli import cli
 from sketchlang.errors import InputError
@@ -35,21 +36,22 @@ def job(seed: int, planner: str = "siw-r") -> Job:
 def test_a_line_that_was_cut_off_is_no_result(tmp_path) -> None:
     path = tmp_path / "results.jsonl"
     path.write_text(line(job(0)) + line(job(1))[:-20])
-    assert [runner.key(result) for result in runner.read_results(path)] == [job(0)]
+    assert [store.key(result) for result in store.read_results(path)] == [job(0)]
 
 
 def test_a_damaged_line_in_the_middle_is_named(tmp_path) -> None:
     path = tmp_path / "results.jsonl"
     path.write_text(line(job(0))[:-20] + "\n" + line(job(1)))
     with pytest.raises(InputError, match="line 1"):
-        runner.read_results(path)
+        store.read_results(path)
 
 
 def test_nothing_is_run_when_all_is_there(tmp_path) -> None:
     path = tmp_path / "results.jsonl"
     text = line(job(0)) + line(job(1))
     path.write_text(text)
-    runner.run_all([job(0), job(1)], path, 1, done=lambda _: pytest.fail("ran again"))
+    with store.opened(path) as results:
+        run_all([job(0), job(1)], results, 1, done=lambda _: pytest.fail("ran again"))
     assert path.read_text() == text
 
 
@@ -100,7 +102,7 @@ def test_an_interrupted_benchmark_goes_on_where_it_was(tmp_path) -> None:
     done = CliRunner().invoke(cli, [*arguments, "2"])
     assert done.exit_code == 0
     assert out.read_text().startswith(first)
-    results = runner.read_results(out)
+    results = store.read_results(out)
     assert [result["seed"] for result in results] == [0, 1]
     assert all(result["solved"] and result["valid"] for result in results)
     assert "| sorting/3t-02 | siw-r | 2/2 | 2/2 |" in done.stdout
