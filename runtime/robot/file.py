@@ -58,7 +58,7 @@ class RobotFile:
     fixed: dict[str, float]
     limited: tuple[str, ...]
     gripper: GripperFile | None
-    base: MobileBase
+    base: MobileBase | None
     digest: str
     workspace: ArmWorkspace | None = None
     strip: Strip | None = None
@@ -86,8 +86,8 @@ def read_robot_file(path: Path) -> RobotFile:
         raise table.error("base_link", f"the URDF has no link {base_link!r}")
     urdf = urdf.part(base_link)
     tool_link, urdf = _tool(table, urdf)
-    base = table.table("base")
-    mobile = _base(base)
+    base = table.table("base", optional=True)
+    mobile = _base(base) if table.has("base") else None
     height = base.number("height", 0.0)
     if height:
         urdf = urdf.raised(FLOOR_LINK, height)
@@ -135,20 +135,30 @@ def _pose(table: Table) -> Pose:
     return pose
 
 
+def gripper_path(name: str, folder: Path = Path()) -> Path:
+    """The URDF of a gripper: a file, from a folder, or by name one that comes with the package.
+
+    Raises:
+        InputError: it is the name of none.
+    """
+    if name.endswith(".urdf"):
+        return folder / name
+    known = sorted(path.stem for path in (BUILT_IN / "grippers").glob("*.urdf"))
+    if name not in known:
+        raise InputError(
+            f"there is no gripper {name!r}",
+            hint=f"built in: {', '.join(known)}; or give the path of a file ending in .urdf",
+        )
+    return BUILT_IN / "grippers" / f"{name}.urdf"
+
+
 def _attached_path(entry: Table, folder: Path) -> Path:
-    """A file beside the robot file, or by name one of the grippers that come with the package."""
-    name = entry.text("urdf")
-    built_in = BUILT_IN / "grippers" / f"{name}.urdf"
-    if not name.endswith(".urdf") and built_in.parent.is_dir():
-        known = sorted(path.stem for path in built_in.parent.glob("*.urdf"))
-        if name not in known:
-            raise entry.error(
-                "urdf",
-                f"there is no gripper {name!r}",
-                hint=f"built in: {', '.join(known)}; or give the path of a file ending in .urdf",
-            )
-        return built_in
-    return folder / name
+    try:
+        return gripper_path(entry.text("urdf"), folder)
+    except InputError as error:
+        if error.place is not None:
+            raise
+        raise entry.error("urdf", error.message, error.hint) from None
 
 
 def _attach(urdf: Urdf, entry: Table, other: Urdf) -> Urdf:

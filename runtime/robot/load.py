@@ -57,6 +57,7 @@ def load_robot(name: str | Path) -> RobotModel:
 def build_robot(file: RobotFile) -> RobotModel:
     """The robot of a file without contradictions (`runtime.robot.structure`)."""
     assert file.gripper is not None
+    assert file.base is not None
     urdf, joints = file.urdf, planning_joints(file)
     hand = Hand(urdf, file.tool_link, file.gripper.fingers)
     openings, values = hand.table()

@@ -76,24 +76,48 @@ def read_mesh(path: Path, scale: Floats) -> Mesh:
     unit = 1.0
     if path.suffix.lower() == ".dae":
         unit = _collada_unit(path)
-    mesh = _load(path)
-    vertices = np.asarray(mesh.vertices, dtype=float).reshape(-1, 3) * unit * scale
-    faces = np.asarray(mesh.faces, dtype=np.int64).reshape(-1, 3)
+    vertices, faces = _load(path)
+    vertices = vertices * unit * scale
     if not len(faces) or not np.isfinite(vertices).all():
         raise InputError("holds no triangles", place=str(path))
     return Mesh(vertices, faces)
 
 
-def _load(path: Path) -> Any:
+def _load(path: Path) -> tuple[Floats, Any]:
+    """Vertices and triangles as they are in a file."""
+    if path.suffix.lower() == ".obj":
+        return _read_obj(path)
     import trimesh
 
-    options = {"skip_materials": True} if path.suffix.lower() == ".obj" else {}
     try:
-        scene = trimesh.load_scene(str(path), process=False, **options)
-        return scene.to_mesh()
+        mesh = trimesh.load_scene(str(path), process=False).to_mesh()
+        return np.asarray(mesh.vertices, dtype=float), np.asarray(mesh.faces, dtype=np.int64)
     except Exception as error:  # readers of foreign formats raise whatever comes
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise InputError(f"cannot be read as a mesh: {reason}", place=str(path)) from None
+
+
+def _read_obj(path: Path) -> tuple[Floats, Any]:
+    """Vertices and faces of an OBJ file, without its materials: for those, libraries want
+    pictures that are often missing."""
+    vertices: list[list[float]] = []
+    faces: list[tuple[int, int, int]] = []
+    for line in read_bytes(path, MAX_BYTES).decode("utf-8", "replace").splitlines():
+        words = line.split()
+        try:
+            if words[:1] == ["v"]:
+                vertices.append([float(word) for word in words[1:4]])
+            elif words[:1] == ["f"]:
+                corners = [int(word.split("/")[0]) for word in words[1:]]
+                ring = [k - 1 if k > 0 else len(vertices) + k for k in corners]
+                faces += [(ring[0], ring[k], ring[k + 1]) for k in range(1, len(ring) - 1)]
+        except ValueError:
+            raise InputError(f"is no OBJ: {line.strip()[:60]!r}", place=str(path)) from None
+    points = np.array(vertices, dtype=float).reshape(-1, 3) if vertices else np.empty((0, 3))
+    triangles = np.array(faces, dtype=np.int64).reshape(-1, 3)
+    if triangles.size and not 0 <= triangles.min() <= triangles.max() < len(points):
+        raise InputError("is no OBJ: a face names a vertex that is not there", place=str(path))
+    return points, triangles
 
 
 def _collada_unit(path: Path) -> float:

@@ -126,7 +126,15 @@ class Prober:
         self.body = robot.body(min(0.06, robot.gripper.max_opening))
         self.below = below_grasp(robot, family)
         self.rng = np.random.default_rng(0)
+        self.length = stretched(robot) + SLACK
+        self.low, self.high = _shoulder_heights(robot)
         self.facing = AROUND if robot.base.type == "fixed" else FACING
+
+    def can_reach(self, height: float, distance: float) -> bool:
+        """Whether the stretched arm is long enough: if not, there is no need to try."""
+        wrist = height + (wrist_offset_of(self.robot) if self.family is Family.TOP else 0.0)
+        away = max(0.0, self.low - wrist, wrist - self.high)
+        return math.hypot(away, distance) <= self.length
 
     def probe(
         self, height: float, distance: float, number: int, known: list[Floats]
@@ -182,6 +190,8 @@ def grid(robot: RobotModel, family: Family) -> tuple[Workspace, list[Posture]]:
     for j in range(len(distances)):
         known: list[Floats] = []
         for i, height in enumerate(heights.tolist()):
+            if not prober.can_reach(height, float(distances[j])):
+                continue
             for number in range(SAMPLES):
                 # Where two directions in a row and the last height failed, so will the rest.
                 if number == 3 and shares[i, j] == 0:
@@ -206,6 +216,18 @@ def stretched(robot: RobotModel) -> float:
     travel = np.where(robot.chain.prismatic, np.maximum(abs(robot.lower), abs(robot.upper)), 0)
     first = next((k for k, slides in enumerate(robot.chain.prismatic) if not slides), 0)
     return max(2 * DISTANCE_STEP, float(lengths[first + 1 :].sum() + travel[first:].sum()))
+
+
+def _shoulder_heights(robot: RobotModel) -> tuple[float, float]:
+    """The lowest and the highest place of the first turning joint, over the travel of what
+    slides before it."""
+    first = next((k for k, slides in enumerate(robot.chain.prismatic) if not slides), 0)
+    heights = []
+    for ends in (robot.lower, robot.upper):
+        q = robot.home.copy()
+        q[:first] = ends[:first]
+        heights.append(float(robot.frames(q)[first + 1, 2, 3]))
+    return min(heights), max(heights)
 
 
 def _smooth(shares: Floats) -> Floats:

@@ -27,6 +27,13 @@ def contradictions(file: RobotFile) -> Iterator[Finding]:
     if not chain:
         yield from _joints(file)
     yield from _names(file)
+    if file.base is None:
+        yield Finding(
+            "base-missing",
+            "base: how the robot gets about is not said",
+            file.place,
+            'add [base] with type = "fixed", "holonomic" or "differential"',
+        )
     yield from _gripper(file, not chain)
 
 
@@ -125,7 +132,7 @@ def _gripper(file: RobotFile, with_tool: bool) -> Iterator[Finding]:
             "gripper-missing",
             "gripper: the robot has none",
             file.place,
-            'name its finger_joints in [gripper]; [[attach]] fits one, as in urdf = "two_finger"',
+            "name its finger_joints in [gripper]; `robot import --gripper two_finger` fits one",
         )
         return
     unknown = False

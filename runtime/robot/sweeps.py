@@ -7,6 +7,7 @@ is in the way whatever the arm does.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -34,6 +35,9 @@ OFTEN = 0.4
 BESIDE = {Family.SIDE: (-0.06, 0.12), Family.PINCH: (-0.06, 0.12), Family.TOP: (0.0, 0.3)}
 """Heights above the grasp centre that things beside an object reach to: those that stand there
 are as tall as it for a hand from the side, and matter for one from above if they are taller."""
+
+POSTURES = 200
+"""So many of the postures that were found are looked at, evenly over heights and distances."""
 
 SLAB = 0.08
 """Metres of one box of the arm, along the way back."""
@@ -96,6 +100,7 @@ def _arm_boxes(robot: RobotModel, family: Family, postures: Sequence[Posture]) -
     the lowest to the highest places that are often taken there."""
     if not postures:
         return np.empty((0, 6))
+    postures = postures[:: math.ceil(len(postures) / POSTURES)]
     columns = np.zeros(np.round((HIGH - LOW) / CELL).astype(int)[:2], dtype=np.int64)
     counts = np.zeros(np.round((HIGH - LOW) / CELL).astype(int), dtype=np.int64)
     first, last = (int((z - LOW[2]) / CELL) for z in BESIDE[family])

@@ -28,6 +28,7 @@ COMMANDS = {
     "execute": "Execute a plan under physics, open loop or closed loop.",
     "replay": "Show a plan: a page for the browser, pictures, a film.",
     "export": "Write trajectories for ROS 2, a bag, a 3D model.",
+    "robot": "Bring in a robot of one's own, look its file over.",
     "bench": "Run a benchmark suite and print its tables.",
 }
 

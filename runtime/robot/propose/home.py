@@ -1,0 +1,115 @@
+"""A posture to drive in: free of collision, the arm folded, away from the joints' limits."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from runtime.kernels import arm
+from runtime.kernels.convex import boxes_only
+from runtime.robot.model import RobotModel
+from runtime.robot.urdf import MOVING
+from runtime.world.poses import compose, identity
+from runtime.world.solids import Floats
+
+DRAWN = 4000
+BEST = 12
+STEPS = 150
+MARGIN = 0.01
+"""Metres kept from the robot itself and the floor."""
+
+ROOM = 0.02
+"""Metres above the plane that a fixed robot stands on."""
+
+
+class _Judge:
+    """What a posture costs: how far the arm sticks out, and how near joints are to limits."""
+
+    def __init__(self, robot: RobotModel) -> None:
+        self.robot = robot
+        self.body = robot.body(robot.gripper.min_opening)
+        self.moving = np.flatnonzero(self.body.frame > 0)
+        self._frames = np.empty((len(robot.joints) + 1, 3, 4))
+        self._placed = np.empty((len(self.body.frame), 3, 4))
+        self.floor = MARGIN
+        if robot.base.type == "fixed":
+            self.floor = _mount_height(robot) + ROOM
+        rows = [[0.0, 0.0, self.floor - 0.5, 10.0, 10.0, 0.5, 1.0, 0.0]]
+        self.around = boxes_only(np.array(rows))
+        span = np.maximum(robot.upper - robot.lower, 1e-9)
+        self.middle = (robot.upper + robot.lower) / 2
+        self.span = span
+        first = next((k for k, slides in enumerate(robot.chain.prismatic) if not slides), 0)
+        self.high = float(robot.frames(self.middle)[first + 1, 2, 3]) + 0.4
+
+    def cost(self, q: Floats) -> float:
+        """Metres, and a little more for what is unhandy."""
+        robot = self.robot
+        arm.forward(robot.chain.origins, robot.chain.prismatic, q, self._frames)
+        arm.place_boxes(self._frames, self.body.frame, self.body.pose, self._placed)
+        placed = self._placed[self.moving]
+        out = np.hypot(placed[:, 0, 3], placed[:, 1, 3]) + 0.7 * self.body.radius[self.moving]
+        tool = compose(self._frames[-1], robot.tool)
+        near_limits = float((((q - self.middle) / self.span) ** 2).max())
+        # Ready for work: the hand ahead, neither below the load that it may carry nor high up,
+        # and pointing forwards or down.
+        ready = 0.25 * (1.0 - max(float(tool[0, 0]), -float(tool[2, 0])))
+        aside = math.atan2(float(tool[1, 3]), float(tool[0, 3]))
+        ready += 0.15 * (1.0 - math.cos(aside)) + 0.3 * max(0.0, -float(tool[0, 3]))
+        height = float(tool[2, 3])
+        ready += max(0.0, self.floor + 0.25 - height) + 0.5 * max(0.0, height - self.high)
+        return float(out.max()) + 0.3 * near_limits + ready
+
+    def free(self, q: Floats) -> bool:
+        """Whether the robot touches neither itself nor the floor."""
+        hit: bool = arm.collides(
+            self.robot.chain, self.body, self.around, MARGIN, q, self._frames, self._placed
+        )
+        return not hit
+
+
+def _mount_height(robot: RobotModel) -> float:
+    """The height of the plane that the arm is mounted on: the frame of the last link of its
+    chain that does not move."""
+    pose = identity()
+    for joint in robot.urdf.chain(robot.urdf_tool):
+        if joint.type in MOVING:
+            break
+        pose = compose(pose, joint.origin)
+    return float(pose[2, 3])
+
+
+def propose_home(
+    robot: RobotModel, rng: np.random.Generator, wanted: Sequence[Floats] = ()
+) -> Floats | None:
+    """A home posture (n,), or None where none is found free. The first of the wanted ones that
+    is free is taken as it is."""
+    judge = _Judge(robot)
+    for q in wanted:
+        if judge.free(q):
+            return q
+    inset = 0.05 * (robot.upper - robot.lower)
+    lower, upper = robot.lower + inset, robot.upper - inset
+    drawn = rng.uniform(lower, upper, (DRAWN, len(lower)))
+    costs = np.array([judge.cost(q) for q in drawn])
+    kept = []
+    for k in np.argsort(costs):
+        if judge.free(drawn[k]):
+            kept.append(drawn[k])
+            if len(kept) == BEST:
+                break
+    best: tuple[float, Floats] | None = None
+    for q in kept:
+        now, size = judge.cost(q), 0.15
+        for _ in range(STEPS):
+            near = np.clip(q + rng.normal(size=len(q)) * size * (upper - lower), lower, upper)
+            cost = judge.cost(near)
+            if cost < now and judge.free(near):
+                q, now = near, cost
+            else:
+                size = max(0.01, 0.97 * size)
+        if best is None or now < best[0]:
+            best = now, q
+    return None if best is None else np.round(best[1], 3)

@@ -1,0 +1,274 @@
+"""A robot file proposed for a URDF and a tool link."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+
+from runtime.robot.file import FLOOR_LINK, TOOL_LINK, GripperFile, RobotFile, gripper_path
+from runtime.robot.load import build_robot
+from runtime.robot.model import MobileBase, RobotModel
+from runtime.robot.outline import points_of
+from runtime.robot.propose.base import propose_base
+from runtime.robot.propose.hand import ProposedHand, propose_hand
+from runtime.robot.propose.home import propose_home
+from runtime.robot.propose.pairs import always_touching, neighbours, within
+from runtime.robot.propose.srdf import Srdf
+from runtime.robot.structure import contradictions
+from runtime.robot.urdf import MOVING, Joint, Urdf, read_urdf
+from runtime.world.poses import Pose, identity
+from sketchlang.errors import InputError
+from sketchlang.suggest import did_you_mean
+
+FULL_SPEED = 0.5
+"""Seconds from rest to full speed."""
+
+FASTEST = {"prismatic": 0.5, "revolute": 3.2, "continuous": 3.2}
+"""m/s, rad/s: limits beyond are placeholders in many URDFs, and no arm's."""
+
+HARDEST = 8.0
+"""rad/s^2, at most."""
+
+DRIVING = MobileBase(0.5, 0.5, 1.0, 1.5)
+"""Speeds of a base of which nothing is known."""
+
+
+@dataclass(frozen=True, eq=False)
+class Mount:
+    """A gripper that is fitted to a robot: the name or path of its URDF, the link that it is
+    fixed to, and where."""
+
+    urdf: str
+    link: str
+    pose: Pose
+
+
+@dataclass(frozen=True, eq=False)
+class Proposal:
+    """What is proposed: `urdf` as it is to be written (without a fitted gripper), and the file.
+    `limits` are what the file states of joints; `notes` what a reader should know."""
+
+    urdf: Urdf
+    file: RobotFile
+    tool_link: str
+    tool: Pose | None
+    base_link: str
+    height: float
+    mount: Mount | None
+    limits: Mapping[str, Mapping[str, float]]
+    notes: tuple[str, ...] = field(default=())
+
+
+def propose(
+    path: Path,
+    tool_link: str,
+    *,
+    name: str | None = None,
+    srdf: Srdf | None = None,
+    base: str | None = None,
+    height: float = 0.0,
+    gripper: str | None = None,
+    seed: int = 0,
+) -> Proposal:
+    """A robot file for a URDF.
+
+    `base` overrides the kind of base that is found, `height` lifts a base above the floor
+    (metres), `gripper` names or gives a URDF of a gripper to fit to the tool link.
+
+    Raises:
+        InputError: the URDF cannot be read, or has no such link.
+    """
+    urdf = read_urdf(path)
+    _known_link(urdf, tool_link, path)
+    found = propose_base(urdf, tool_link)
+    notes = [f"base: {base or found.type} ({'as asked for' if base else found.reason})"]
+    kind = base or found.type
+    whole, mount = urdf, None
+    if gripper is not None:
+        mount, whole = _fitted(urdf, tool_link, gripper)
+        tool_link = whole.joints[_root_of(gripper)].child
+    whole = whole.part(found.link)
+    limits = _limits(whole, tool_link, notes)
+    limited = _with_limits(whole, limits)
+    hand = propose_hand(limited, tool_link)
+    file = _first_file(name or urdf.name, limited, tool_link, hand, kind, height)
+    if any(contradictions(file)):
+        notes.append("no home posture and no pairs were looked for: mend the findings first")
+    else:
+        file = _probed(file, hand, srdf, notes, np.random.default_rng(seed))
+    return Proposal(
+        urdf=urdf,
+        file=file,
+        tool_link=tool_link,
+        tool=None if hand is None else hand.tool,
+        base_link=found.link,
+        height=height,
+        mount=mount,
+        limits=limits,
+        notes=tuple(notes),
+    )
+
+
+def _known_link(urdf: Urdf, link: str, path: Path) -> None:
+    if link not in urdf.shapes:
+        hint = did_you_mean(link, urdf.shapes) or "its links: " + ", ".join(list(urdf.shapes)[:40])
+        raise InputError(f"there is no link {link!r}", place=str(path), hint=hint)
+
+
+def _root_of(gripper: str) -> str:
+    return read_urdf(gripper_path(gripper)).root
+
+
+def _fitted(urdf: Urdf, link: str, gripper: str) -> tuple[Mount, Urdf]:
+    """The robot with a gripper on a link: its root where the link's shapes end along z, which
+    points outwards at a flange."""
+    other = read_urdf(gripper_path(gripper))
+    ends = [float(points_of(shape, identity())[:, 2].max()) for shape in urdf.shapes[link]]
+    pose = identity()
+    pose[2, 3] = round(max([0.0, *ends]), 4)
+    return Mount(gripper, link, pose), urdf.attached(other, link, pose)
+
+
+def _limits(urdf: Urdf, tool_link: str, notes: list[str]) -> dict[str, dict[str, float]]:
+    """What the robot file has to say about joints: what the URDF leaves out, and speeds that
+    no arm has."""
+    found: dict[str, dict[str, float]] = {}
+    for joint in urdf.chain(tool_link):
+        if joint.type not in MOVING:
+            continue
+        entry: dict[str, float] = {}
+        if "limits" in joint.absent or joint.lower == joint.upper:
+            if joint.type == "prismatic":
+                notes.append(f"joint {joint.name!r}: the URDF gives no limits; state them")
+                continue
+            entry |= {"lower": -3.1416, "upper": 3.1416}
+            notes.append(f"joint {joint.name!r}: no limits in the URDF, half a turn is assumed")
+        if "velocity" in joint.absent:
+            entry["velocity"] = joint.velocity
+            notes.append(f"joint {joint.name!r}: no velocity, {joint.velocity:g} is assumed")
+        elif joint.velocity > FASTEST[joint.type]:
+            entry["velocity"] = FASTEST[joint.type]
+            notes.append(
+                f"joint {joint.name!r}: {joint.velocity:g} rad/s is no arm's; "
+                f"{FASTEST[joint.type]:g} is written"
+            )
+        if entry:
+            found[joint.name] = entry
+    return found
+
+
+def _with_limits(urdf: Urdf, limits: Mapping[str, Mapping[str, float]]) -> Urdf:
+    joints = dict(urdf.joints)
+    for joint in urdf.joints.values():
+        entry = limits.get(joint.name)
+        if entry:
+            joints[joint.child] = replace(
+                joint,
+                lower=entry.get("lower", joint.lower),
+                upper=entry.get("upper", joint.upper),
+                velocity=entry.get("velocity", joint.velocity),
+                absent=(),
+            )
+    return replace(urdf, joints=joints)
+
+
+def _first_file(
+    name: str, urdf: Urdf, tool_link: str, hand: ProposedHand | None, kind: str, height: float
+) -> RobotFile:
+    """A file with what needs no probing: joints at the middle of their range, neighbours may
+    touch."""
+    ignored = neighbours(urdf)
+    gripper = None
+    tool = tool_link
+    moving = [j for j in urdf.chain(tool_link) if j.type in MOVING]
+    fixed = _held(urdf, {j.name for j in moving}, hand)
+    if hand is not None:
+        ignored |= within(hand.links, urdf)
+        gripper = GripperFile(hand.fingers, hand.links, 0.004, 0.5, None, None, None)
+        if hand.tool is not None:
+            urdf, tool = urdf.with_frame(TOOL_LINK, tool_link, hand.tool), TOOL_LINK
+    base = MobileBase(0.0, 0.0, 0.0, 0.0, "fixed")
+    if kind != "fixed":
+        base = replace(DRIVING, type=kind)
+    if height:
+        urdf = urdf.raised(FLOOR_LINK, height)
+    middle = [_middle(joint) for joint in moving]
+    return RobotFile(
+        place=name,
+        name=name,
+        urdf=urdf,
+        base_link=urdf.root,
+        tool_link=tool,
+        joints=tuple(joint.name for joint in moving),
+        acceleration=tuple(_acceleration(joint) for joint in moving),
+        home=tuple(middle),
+        ignored=_sorted(ignored),
+        fixed=fixed,
+        limited=(),
+        gripper=gripper,
+        base=base,
+        digest="",
+    )
+
+
+def _middle(joint: Joint) -> float:
+    return round(min(joint.upper, max(joint.lower, (joint.lower + joint.upper) / 2)), 4)
+
+
+def _acceleration(joint: Joint) -> float:
+    value = joint.velocity / FULL_SPEED
+    return round(value if joint.type == "prismatic" else min(value, HARDEST), 3)
+
+
+def _held(urdf: Urdf, moving: set[str], hand: ProposedHand | None) -> dict[str, float]:
+    """Joints that neither the arm nor the gripper has, at 0 or as near as they get."""
+    fingers = set() if hand is None else set(hand.fingers)
+    return {
+        joint.name: round(min(joint.upper, max(joint.lower, 0.0)), 4)
+        for joint in urdf.joints.values()
+        if joint.type in MOVING
+        and joint.mimic is None
+        and joint.name not in moving | fingers
+        and joint.type != "continuous"
+    }
+
+
+def _sorted(pairs: set[frozenset[str]]) -> tuple[tuple[str, str], ...]:
+    found = sorted(tuple(sorted(pair)) for pair in pairs)
+    return tuple((a, b) for a, b in found)
+
+
+def _probed(
+    file: RobotFile,
+    hand: ProposedHand | None,
+    srdf: Srdf | None,
+    notes: list[str],
+    rng: np.random.Generator,
+) -> RobotFile:
+    """The file with pairs that always touch and a home posture."""
+    ignored = {frozenset(pair) for pair in file.ignored}
+    if srdf is not None:
+        known = {link for link, shapes in file.urdf.shapes.items() if shapes}
+        ignored |= {pair for pair in srdf.pairs if pair <= known}
+    file = replace(file, ignored=_sorted(ignored))
+    ignored |= always_touching(build_robot(file), rng)
+    file = replace(file, ignored=_sorted(ignored))
+    robot = build_robot(file)
+    wanted = [] if srdf is None else list(filter(None, (_full(robot, s) for s in srdf.homes())))
+    home = propose_home(robot, rng, [np.array(q) for q in wanted])
+    if home is None:
+        notes.append("no posture was found that is free of collision: look at the shapes")
+        return file
+    return replace(file, home=tuple(home.tolist()))
+
+
+def _full(robot: RobotModel, state: Mapping[str, float]) -> list[float] | None:
+    """A posture of an SRDF for all joints and within their limits, or None."""
+    if not set(robot.joints) <= state.keys():
+        return None
+    q = np.array([state[name] for name in robot.joints])
+    inside = (q >= robot.lower).all() and (q <= robot.upper).all()
+    return q.tolist() if inside else None
