@@ -77,12 +77,16 @@ def interruptible(command: Callable[P, R]) -> Callable[P, R]:
 
     @functools.wraps(command)
     def wrapped(*args: P.args, **kwargs: P.kwargs) -> R:
+        depth = sys.getrecursionlimit()
         try:
             with reading.recording():
                 return command(*args, **kwargs)
         except KeyboardInterrupt:
             click.echo("interrupted", err=True)
             sys.exit(INTERRUPTED)
+        finally:
+            # Long proofs need more; Python's own compiler crashes with it on deep code.
+            sys.setrecursionlimit(depth)
 
     return wrapped
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from sketchlang import __version__
-from sketchlang.cli.common import domain_option, fail, interruptible, load_valid, say
+from sketchlang.cli.common import Number, domain_option, fail, interruptible, load_valid, say
 from sketchlang.errors import InputError
 from sketchlang.loader import Loaded, domains_of_file, load_text
 from sketchlang.source import Source
@@ -48,7 +48,7 @@ class Offer:
 @click.option("--apply", "chosen", type=click.IntRange(1, 20), metavar="N", help="Make proposal N.")
 @click.option(
     "--time-limit",
-    type=click.FloatRange(min=0, max=1e6),
+    type=Number(min=0, max=1e6),
     default=10.0,
     show_default=True,
     metavar="S",
