@@ -41,8 +41,32 @@ SETTINGS = {
 
 
 def decompose(mesh: Mesh, watertight: bool) -> list[Part]:
-    """Convex hulls that together take up the space of a mesh, in its frame. Only of a mesh that
-    is watertight can be known that it is convex or hollow; the others are decomposed too."""
+    """Convex hulls that together take up the space of a mesh, in its frame.
+
+    Pieces that do not hang together are taken one by one. Only of a mesh that is watertight can
+    be known that it is convex; the others are all decomposed.
+    """
+    return [part for piece in pieces_of(mesh) for part in _decompose(piece, watertight)]
+
+
+def pieces_of(mesh: Mesh) -> list[Mesh]:
+    """The parts of a mesh that share no corner."""
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+
+    faces, n = np.asarray(mesh.faces), len(mesh.vertices)
+    start, end = faces.ravel(), np.roll(faces, 1, axis=1).ravel()
+    links = coo_matrix((np.ones(len(start)), (start, end)), shape=(n, n))
+    _, piece = connected_components(links, directed=False)
+    found = []
+    for number in np.unique(piece[faces[:, 0]]):
+        own = faces[piece[faces[:, 0]] == number]
+        used, renumbered = np.unique(own, return_inverse=True)
+        found.append(Mesh(mesh.vertices[used], renumbered.reshape(-1, 3)))
+    return found
+
+
+def _decompose(mesh: Mesh, watertight: bool) -> list[Part]:
     from scipy.spatial import ConvexHull
 
     from runtime.world.mesh import volume_and_centre

@@ -17,7 +17,7 @@ from domains.tabletop.scene.model import (
     SingleGoal,
     WordGoal,
 )
-from domains.tabletop.scene.objects import Drawn, Placed, heading_in, point_in, support_named
+from domains.tabletop.scene.objects import Drawn, Placed, point_in, support_named
 
 DEFAULT_TOLERANCE = 0.005
 """Metres; the published tolerance of point goals."""
@@ -172,10 +172,33 @@ class GoalReader:
                 entry.problem("at", found, self.placed.nearest(x, y))
                 return None
             bearers = [found]
+        elif self.placed.supports[bearers[0]].owner in self.by_name:
+            return self._on_object(entry, bearers, x, y, yaw, tolerance)
         elif len(bearers) == 1 and not contains(self.placed.world[bearers[0]], x, y):
             entry.problem("at", f"({x:g}, {y:g}) is not on {names[0]!r}")
             return None
-        return self._pose_goal(bearers, x, y, yaw, tolerance)
+        return PoseGoal(bearers[0], x, y, yaw, tolerance, tuple(bearers[1:]))
+
+    def _on_object(
+        self,
+        entry: Entry,
+        bearers: list[int],
+        x: float,
+        y: float,
+        yaw: float | None,
+        tolerance: float,
+    ) -> PoseGoal | None:
+        """On something that can be moved points are given from the middle of its top."""
+        top = self.placed.supports[bearers[0]]
+        if len(bearers) == 1 and (abs(x) > top.half[0] or abs(y) > top.half[1]):
+            entry.problem(
+                "at",
+                f"({x:g}, {y:g}) is not on {top.name!r}",
+                f"points on an object are given from the middle of its top, along its own axes: "
+                f"{top.half[0]:.3g} and {top.half[1]:.3g} m at most",
+            )
+            return None
+        return PoseGoal(bearers[0], x, y, yaw, tolerance, tuple(bearers[1:]))
 
     def _at_start(
         self, entry: Entry, index: int, bearers: list[int], yaw: float | None, tolerance: float
@@ -189,17 +212,11 @@ class GoalReader:
         if thing is None or not entry.sound:
             return None
         start = thing.rests
-        return self._pose_goal([start.support, *start.others], start.x, start.y, yaw, tolerance)
-
-    def _pose_goal(
-        self, bearers: list[int], x: float, y: float, yaw: float | None, tolerance: float
-    ) -> PoseGoal:
-        """In the world, or in the frame of a support that can be moved."""
-        here = self.placed.world[bearers[0]]
+        x, y = start.x, start.y
+        here = self.placed.world[start.support]
         if here.owner in self.by_name:
             x, y = point_in(here, x, y)
-            yaw = None if yaw is None else heading_in(here, yaw)
-        return PoseGoal(bearers[0], x, y, yaw, tolerance, tuple(bearers[1:]))
+        return PoseGoal(start.support, x, y, yaw, tolerance, start.others)
 
     def _word(self, entry: Entry) -> WordGoal | None:
         word, pitch = entry.text("word"), entry.positive("pitch")

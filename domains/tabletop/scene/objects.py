@@ -15,7 +15,7 @@ from domains.tabletop.scene.entry import Entry, known
 from domains.tabletop.scene.furniture import AIR, Furniture, contains, local, refuse_far
 from domains.tabletop.scene.model import SceneObject, Start, movable
 from runtime.world.body import Body
-from runtime.world.poses import Pose, compose, heading, rotation_from_rpy
+from runtime.world.poses import Pose, compose, rotation_from_rpy
 from runtime.world.snap import nearest_stable, resting_pose
 from runtime.world.stable import StablePose, stable_poses
 from runtime.world.tops import top_of
@@ -358,11 +358,6 @@ def _sort_tops(placed: Placed, fixed: int, by_name: dict[str, int]) -> None:
             placed.objects[k] = SceneObject(
                 thing.name, thing.body, thing.stable, start, thing.colour, thing.letter
             )
-
-
-def heading_in(support: Support, yaw: float) -> float:
-    """A heading of the world in the frame of a support."""
-    return yaw - heading(support.pose)
 
 
 def point_in(support: Support, x: float, y: float) -> tuple[float, float]:
