@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from domains.pddl.features.compiler import Meaning
-from domains.pddl.features.evaluator import evaluator
+from domains.pddl.features.evaluator import Evaluator
 from domains.pddl.features.rows import bits_of
 from domains.pddl.features.sources import source
 from domains.pddl.ground.task import GroundTask, ground
@@ -98,7 +98,7 @@ class _Maker:
         domain.members = lambda state, sort: members(domain, state, domain.types[sort])
         domain.default_atoms = _facts
         domain.goal_test = lambda state: state.task.is_goal(state.bits)
-        domain.evaluator = lambda checked: evaluator(checked, domain.meanings, domain.types)
+        domain.evaluator = lambda checked: Evaluator(checked, domain.meanings, domain.types)
         domain.load = lambda path, _options: load_problem(domain, path)
         return domain
 

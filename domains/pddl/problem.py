@@ -11,6 +11,7 @@ from domains.pddl.reporting import PddlReporting
 from domains.pddl.search import PddlSubproblem
 from domains.pddl.state import State
 from domains.pddl.successors import Successors
+from runtime.reporting import Reporting
 
 if TYPE_CHECKING:
     import numpy as np
@@ -33,7 +34,7 @@ class PddlProblem:
         return State(self.task.initial, self.task)
 
     @property
-    def reporting(self) -> PddlReporting:
+    def reporting(self) -> Reporting:
         """The task as people and files see it."""
         return PddlReporting(self.task, self.generator)
 

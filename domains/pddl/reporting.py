@@ -88,10 +88,14 @@ class PddlReporting:
         """The plan of an outcome, as far as it came."""
         return PddlDocument(self.task, model.name, planner, outcome)
 
+    def hopeless(self) -> list[dict[str, Any]]:
+        """A goal that no action and no number of them can bring about."""
+        if self.task.goal:
+            return []
+        text = "the goal can never be reached, not even if no action made anything false"
+        return [{"cause": "unreachable goal", "text": text}]
+
     def why(self, outcome: Outcome) -> list[dict[str, Any]]:
         """What the goal asks for and is not so where the search ended."""
-        if not self.task.goal:
-            text = "the goal can never be reached, not even if no action made anything false"
-            return [{"cause": "unreachable goal", "text": text}]
         verdict = PddlDocument(self.task, "", "", outcome).validate()
         return [{"cause": "open goal", "text": finding.message} for finding in verdict.findings]

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
 
+from domains.pddl.features.evaluator import Evaluator
 from domains.pddl.features.rows import bits_of
 from domains.pddl.ground.task import GroundTask, Operator
 from domains.pddl.state import State
@@ -25,13 +26,12 @@ CHECKED_EVERY = 256
 class Singles:
     """Novelty of width 1: an atom that was never true."""
 
-    def __init__(self, mask: int) -> None:
-        self.mask = mask
+    def __init__(self) -> None:
         self.seen = 0
 
     def is_new(self, before: int, after: int) -> bool:
         """Whether a state has something new, if the one before it was added."""
-        return bool(after & self.mask & ~self.seen)
+        return bool(after & ~self.seen)
 
     def add(self, after: int) -> None:
         """Remember a state."""
@@ -41,19 +41,16 @@ class Singles:
 class Pairs:
     """Novelty of width 2: two atoms, or one, that were never true together."""
 
-    def __init__(self, mask: int) -> None:
-        self.mask = mask
+    def __init__(self) -> None:
         self.seen: dict[int, int] = {}
 
     def is_new(self, before: int, after: int) -> bool:
         """Whether a state has something new, if the one before it was added."""
-        after &= self.mask
         seen = self.seen
         return any(after & ~seen.get(bit, 0) for bit in bits_of(after & ~before))
 
     def add(self, after: int) -> None:
         """Remember a state."""
-        after &= self.mask
         seen = self.seen
         for bit in bits_of(after):
             seen[bit] = seen.get(bit, 0) | after
@@ -62,14 +59,12 @@ class Pairs:
 class Tuples:
     """Novelty of any width k: k atoms that were never true together."""
 
-    def __init__(self, mask: int, k: int) -> None:
-        self.mask = mask
+    def __init__(self, k: int) -> None:
         self.k = k
         self.seen: set[tuple[int, ...]] = set()
 
     def is_new(self, before: int, after: int) -> bool:
         """Whether a state has something new, if the one before it was added."""
-        after &= self.mask
         fresh = set(bits_of(after & ~before))
         return any(
             not fresh.isdisjoint(found) and found not in self.seen
@@ -79,7 +74,7 @@ class Tuples:
 
     def add(self, after: int) -> None:
         """Remember a state."""
-        atoms = list(bits_of(after & self.mask))
+        atoms = list(bits_of(after))
         for size in range(1, self.k + 1):
             self.seen.update(combinations(atoms, size))
 
@@ -87,11 +82,37 @@ class Tuples:
 Table = Singles | Pairs | Tuples
 
 
-def novelty_table(mask: int, k: int) -> Table:
-    """An empty table for the atoms of a mask."""
+def novelty_table(k: int) -> Table:
+    """An empty table."""
     if k == 1:
-        return Singles(mask)
-    return Pairs(mask) if k == 2 else Tuples(mask, k)
+        return Singles()
+    return Pairs() if k == 2 else Tuples(k)
+
+
+class Atoms:
+    """The atoms that novelty is about, of a mask, and the negations of those among them that
+    some action asks to be false: for that action, becoming false is news as well."""
+
+    def __init__(self, mask: int, task: GroundTask) -> None:
+        negated = 0
+        for operator in task.operators:
+            negated |= operator.condition.false
+        for condition in task.goal:
+            negated |= condition.false
+        negated &= mask
+        size = task.layout.size
+
+        def with_negations(bits: int) -> int:
+            return bits & mask | (~bits & negated) << size
+
+        self.true: Callable[[int], int]
+        """What is true in a state."""
+        if negated:
+            self.true = with_negations
+        elif mask == (1 << size) - 1:
+            self.true = lambda bits: bits
+        else:
+            self.true = lambda bits: bits & mask
 
 
 Found = tuple[list[tuple[Operator, tuple[()], State]], str]
@@ -121,45 +142,35 @@ class PddlSubproblem:
     def search(self, query: Query) -> Found | None:
         """IW(k) from the start of a query; see `runtime.search.iw`.
 
-        Where IW(1) fails, IW(0) follows: a state one step away may be a subgoal although nothing in
-        it is new.
+        IW(1) includes IW(0): a state one step away may be a subgoal although nothing in it is new.
         """
-        if query.k > 1:
-            return self._iw(query)
-        if self.attempt:
+        if query.k == 1 and self.attempt:
             return None  # the same actions again, and the same result
-        return self._iw(query) or self._one_step(query)
-
-    def _one_step(self, query: Query) -> Found | None:
-        start: int = query.start.bits
-        for operator in self.generator.applicable(start):
-            query.limits.check()
-            query.effort.generated += 1
-            state = State(operator.apply(start), self.task)
-            rule = query.guide.fired(query.before, query.guide.values(state), state)
-            if rule is not None:
-                return [(operator, (), state)], rule
-        return None
-
-    def _iw(self, query: Query) -> Found | None:
         task, applicable = self.task, self.generator.applicable
         fired, values, before = query.guide.fired, query.guide.values, query.before
         effort, check = query.effort, query.limits.check
         start: int = query.start.bits
-        table = novelty_table(atom_mask(query.guide.sketch.atoms, task), query.k)
-        table.add(start)
+        atoms = Atoms(atom_mask(query.guide.sketch.atoms, task), task)
+        true, table = atoms.true, novelty_table(query.k)
+        table.add(true(start))
         is_new = table.is_new
         origin: dict[int, tuple[int, Operator]] = {}
+        stale: dict[int, Operator] = {}
         queue = [start]
         looked = 0
         for bits in queue:
             effort.expanded += 1
+            known = true(bits)
+            first = bits == start and query.k == 1
             for operator in applicable(bits):
                 looked += 1
                 if not looked % CHECKED_EVERY:
                     check()
                 after = operator.apply(bits)
-                if not is_new(bits, after):
+                now = true(after)
+                if not is_new(known, now):
+                    if first:
+                        stale.setdefault(after, operator)
                     continue
                 state = State(after, task)
                 rule = fired(before, values(state), state)
@@ -167,12 +178,35 @@ class PddlSubproblem:
                     effort.generated += looked
                     origin.setdefault(after, (bits, operator))
                     return self._steps(origin, start, after), rule
-                table.add(after)
+                table.add(now)
                 if after not in origin:
                     queue.append(after)
                     origin[after] = (bits, operator)
             effort.generated += looked
             looked = 0
+            if first:
+                found = self._one_step(query, stale)
+                if found is not None:
+                    return found
+        return None
+
+    def _one_step(self, query: Query, stale: dict[int, Operator]) -> Found | None:
+        """A subgoal among states one step away that have nothing new. Of those that features
+        cannot tell from each other, one is looked at."""
+        evaluate = query.guide.sketch.evaluate
+        mask = -1
+        if isinstance(evaluate, Evaluator):
+            mask = evaluate.looks_at(self.task) | self.task.goal_mask
+        alike: dict[int, tuple[int, Operator]] = {}
+        for bits, operator in stale.items():
+            alike.setdefault(bits & mask, (bits, operator))
+        for number, (bits, operator) in enumerate(alike.values(), 1):
+            if not number % CHECKED_EVERY:
+                query.limits.check()
+            state = State(bits, self.task)
+            rule = query.guide.fired(query.before, query.guide.values(state), state)
+            if rule is not None:
+                return [(operator, (), state)], rule
         return None
 
     def _steps(

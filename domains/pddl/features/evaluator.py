@@ -18,22 +18,34 @@ from sketchlang.model import Kind
 Values = tuple[int, ...]
 
 
-def evaluator(
-    checked: CheckedSketch, meanings: Mapping[Function, Meaning], sorts: Mapping[str, str]
-) -> Callable[[State], Values]:
-    """The function from states to feature values. It is compiled for a task when a state of
-    that task is seen first."""
-    task: GroundTask | None = None
-    evaluate: Callable[[int], Values] | None = None
+class Evaluator:
+    """The function from states to feature values. It is compiled for a task when a state of that
+    task is seen first."""
 
-    def values(state: State) -> Values:
-        nonlocal task, evaluate
-        if evaluate is None or task is not state.task:
-            task = state.task
-            evaluate = of_task(checked, task, meanings, sorts)
-        return evaluate(state.bits)
+    def __init__(
+        self,
+        checked: CheckedSketch,
+        meanings: Mapping[Function, Meaning],
+        sorts: Mapping[str, str],
+    ) -> None:
+        self.checked, self.meanings, self.sorts = checked, meanings, sorts
+        self._task: GroundTask | None = None
+        self._compiled: tuple[Callable[[int], Values], int] | None = None
 
-    return values
+    def __call__(self, state: State) -> Values:
+        """Feature values of a state."""
+        return self._of(state.task)[0](state.bits)
+
+    def looks_at(self, task: GroundTask) -> int:
+        """The bits of a state that feature values depend on."""
+        return self._of(task)[1]
+
+    def _of(self, task: GroundTask) -> tuple[Callable[[int], Values], int]:
+        compiled = self._compiled
+        if compiled is None or task is not self._task:
+            compiled = of_task(self.checked, task, self.meanings, self.sorts)
+            self._task, self._compiled = task, compiled
+        return compiled
 
 
 def of_task(
@@ -41,8 +53,8 @@ def of_task(
     task: GroundTask,
     meanings: Mapping[Function, Meaning],
     sorts: Mapping[str, str],
-) -> Callable[[int], Values]:
-    """The function from the bits of a task's states to feature values.
+) -> tuple[Callable[[int], Values], int]:
+    """The function from the bits of a task's states to feature values, and the bits it looks at.
 
     Values are kept by the bits that features look at, all together and one by one: what an
     action does not touch is not computed again.
@@ -96,7 +108,7 @@ def of_task(
         memory[key] = values
         return values
 
-    return evaluate
+    return evaluate, everything
 
 
 def _as_number(run: Run) -> Run:

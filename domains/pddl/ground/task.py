@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 from domains.pddl.ground.conjunctions import TooLargeError, conjunctions
@@ -78,6 +79,14 @@ class GroundTask:
     def number(self, name: str) -> int:
         """The number of an object."""
         return self.objects.index(name)
+
+    @cached_property
+    def goal_mask(self) -> int:
+        """The bits that the goal looks at."""
+        found = 0
+        for condition in self.goal:
+            found |= condition.true | condition.false
+        return found
 
     def is_goal(self, bits: int) -> bool:
         """Whether a state satisfies the goal."""
@@ -212,8 +221,11 @@ class _Grounder:
                 asked = self._condition(inner.conjunction.true, inner.conjunction.false, bound)
                 if asked is None or asked.true & (asked.false | condition.false):
                     continue
-                # What the action asks for itself need not be asked for again.
-                asked = Condition(asked.true & ~condition.true, asked.false & ~condition.false)
+                # What the action asks for itself need not be asked for again, nor whether an atom
+                # is true before it is deleted.
+                true, false = asked.true & ~condition.true, asked.false & ~condition.false
+                bit = self._bit(effect, bound)
+                asked = Condition(true if effect.positive else true & ~bit, false)
                 target = always if asked == Condition() else when.setdefault(asked, [0, 0])
                 self._change(effect, bound, target)
         terms = [self.objects[variables[p.name]] for p in action.parameters]
@@ -256,10 +268,13 @@ class _Grounder:
                     return None
         return Condition(*masks)
 
-    def _change(self, effect: Effect, variables: Mapping[str, int], masks: list[int]) -> None:
+    def _bit(self, effect: Effect, variables: Mapping[str, int]) -> int:
+        """The mask of what an effect changes; empty if it can never be true anyway."""
         bit = self.layout.bit(effect.atom.name, self._values(effect.atom, variables))
-        if bit is not None:
-            masks[0 if effect.positive else 1] |= 1 << bit
+        return 0 if bit is None else 1 << bit
+
+    def _change(self, effect: Effect, variables: Mapping[str, int], masks: list[int]) -> None:
+        masks[0 if effect.positive else 1] |= self._bit(effect, variables)
 
     def _cost(self, cost: int | Atom, variables: Mapping[str, int]) -> int:
         if isinstance(cost, int):

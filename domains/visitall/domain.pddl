@@ -1,0 +1,9 @@
+; A robot that shall visit places.
+(define (domain grid-visit-all)
+  (:requirements :typing)
+  (:types place - object)
+  (:predicates (connected ?x ?y - place) (at-robot ?x - place) (visited ?x - place))
+  (:action move
+    :parameters (?from ?to - place)
+    :precondition (and (at-robot ?from) (connected ?from ?to))
+    :effect (and (not (at-robot ?from)) (at-robot ?to) (visited ?to))))
