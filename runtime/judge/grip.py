@@ -27,7 +27,7 @@ SNUG = 0.002
 """Metres by which a closed finger may be away from the body, or within it."""
 
 CONTACT = 0.0003
-"""Metres within which what is nearest to a finger touches it."""
+"""Metres within which what is nearest to a finger touches it: pads give a little."""
 
 FRICTION = 0.7
 """Coefficient of friction between fingers and bodies, the one that is simulated with."""

@@ -37,7 +37,7 @@ def triangles(solid: Solid) -> tuple[Floats, Ints]:
             profile = _ball(solid.radius, 0.0)
         case Capsule():
             profile = _ball(solid.radius, solid.height)
-    return _turned(profile)
+    return _turned(profile, solid.half[2])
 
 
 def _hull(points: Floats) -> tuple[Floats, Ints]:
@@ -54,17 +54,17 @@ def _ball(radius: float, height: float) -> list[tuple[float, float]]:
         rings.append((radius * math.cos(angle), radius * math.sin(angle) + lift))
     if height:
         rings[OVER - 1 : OVER] = [(radius, -height / 2), (radius, height / 2)]
-    return [(0.0, -radius - height / 2), *rings, (0.0, radius + height / 2)]
+    return rings
 
 
-def _turned(profile: list[tuple[float, float]]) -> tuple[Floats, Ints]:
-    """What a profile (radius, height), from below, sweeps about z; closed at both ends."""
+def _turned(profile: list[tuple[float, float]], pole: float) -> tuple[Floats, Ints]:
+    """What a profile (radius, height), from below, sweeps about z, closed by poles."""
     turn = np.linspace(0, 2 * math.pi, AROUND, endpoint=False)
     rings = [
         np.column_stack([r * np.cos(turn), r * np.sin(turn), np.full(AROUND, z)])
         for r, z in profile
     ]
-    ends = np.array([[0, 0, profile[0][1]], [0, 0, profile[-1][1]]])
+    ends = np.array([[0, 0, -pole], [0, 0, pole]])
     vertices = np.vstack([*rings, ends])
     bottom, top = len(vertices) - 2, len(vertices) - 1
     faces = []

@@ -5,17 +5,21 @@ from __future__ import annotations
 import json
 import time
 from pathlib import Path
-from typing import NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
 import click
 
 from sketchlang.cli.common import domain_pddl_option, fail, interruptible, say
+
+if TYPE_CHECKING:
+    from sketchlang.compile import CompiledSketch
 
 
 @click.command(
     epilog="""\b
 Examples:
   sketchlang validate plan.json
+  sketchlang validate plan.json --sketch pick_and_place
   sketchlang validate plan.json --scene my-scene.toml --robot my-robot.toml
   sketchlang validate plan.txt --scene task.pddl
 """
@@ -24,16 +28,27 @@ Examples:
 @click.option("--scene", help="The scene, where the plan does not name a built-in one.")
 @click.option("--robot", help="The robot, where the plan does not name a built-in one.")
 @domain_pddl_option
+@click.option(
+    "--sketch",
+    metavar="SKETCH",
+    help="Also check that the plan is a run of this sketch: its features, rules and goal.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else.")
 @interruptible
 def command(
-    plan: Path, scene: str | None, robot: str | None, domain_pddl: str | None, as_json: bool
+    plan: Path,
+    scene: str | None,
+    robot: str | None,
+    domain_pddl: str | None,
+    sketch: str | None,
+    as_json: bool,
 ) -> None:
     """Replay PLAN in exact geometry, independently of the planner; a plan of a PDDL task by the
     meaning of its domain.
 
-    Checks joint limits and speeds, continuity, collisions of robot and objects at a dense
-    resolution, grasps, where every object ends, and the goal.
+    Checks limits of joints, speeds and accelerations, continuity, collisions of robot, objects
+    and floor at a dense resolution, grasps, supports and stability, and the goal. With
+    --sketch, features are computed anew and rules and goal of the sketch checked.
 
     Exit 0: valid. 1: not valid. 2: the file cannot be read.
     """
@@ -43,15 +58,14 @@ def command(
     if is_plan(plan):
         _validate_pddl(plan, scene, domain_pddl, as_json)
     try:
-        from domains.tabletop.scene.worlds import find_world
-        from runtime.judge.certify import certify
+        from domains.tabletop.validation import validate
         from runtime.plan.read import read_plan
-        from runtime.robot.load import load_robot
 
         document = read_plan(plan)
         started = time.perf_counter()
-        world = find_world(scene or document.scene)
-        certificate = certify(document, world, load_robot(robot or document.robot))
+        certificate = validate(
+            document, scene, robot, None if sketch is None else _compiled(sketch)
+        )
         seconds = time.perf_counter() - started
     except InputError as error:
         fail(error)
@@ -127,3 +141,23 @@ def _validate_pddl(
                 where += f" ({' '.join((step.name, *step.arguments))})"
             say(f"  {where}: {finding.message}")
     raise SystemExit(0 if verdict.valid else 1)
+
+
+def _compiled(name: str) -> CompiledSketch:
+    """The sketch of a name or file, ready to be evaluated.
+
+    Raises:
+        InputError: it cannot be read, has errors, or cannot be run.
+    """
+    from sketchlang.compile import compile_sketch, obstacles
+    from sketchlang.errors import InputError
+    from sketchlang.loader import load_sketch
+
+    loaded = load_sketch(name)
+    if not loaded.ok:
+        raise InputError(
+            "the sketch has errors", place=name, hint=f"`sketchlang check {name}` lists them"
+        )
+    for obstacle in obstacles(loaded.checked):
+        raise InputError(obstacle.message, place=name, hint=obstacle.hint)
+    return compile_sketch(loaded.checked)

@@ -315,7 +315,7 @@ def test_an_object_that_is_never_let_go_is_missed(judge, plan_data) -> None:
     number = actions(plan_data, "place")[-1]
     parts = plan_data["actions"][number]["pieces"]
     plan_data["actions"][number]["pieces"] = [part for part in parts if not part.get("release")]
-    rejected(judge(plan_data), "never released", "hits")
+    rejected(judge(plan_data), "still held", "hits")
 
 
 def test_an_object_released_high_is_not_placed(judge, plan_data) -> None:

@@ -1,4 +1,4 @@
-"""The pictures of the docs: `python -m runtime.show.screenshots docs/images`.
+"""The pictures of the docs: `python -m benchmarks.screenshots docs/images`.
 
 Plans a scene of each task family, writes the replay page, and takes a picture of it in a
 headless Chromium.
