@@ -6,7 +6,7 @@ BIN    := $(VENV)/bin
 READY  := $(VENV)/.ready
 SCENE  ?= sorting/4t-07
 
-.PHONY: demo test lint check slow lock clean help
+.PHONY: demo test lint check slow lock clean help vscode
 
 help:
 	@echo "make demo   plan a sorting scene, certify the plan, write a page to watch it (SCENE=...)"
@@ -14,6 +14,7 @@ help:
 	@echo "make slow   end-to-end tests that take minutes"
 	@echo "make lint   lint and types"
 	@echo "make check  lint, types and fast tests, for the daily loop"
+	@echo "make vscode package the VS Code extension (needs Node.js)"
 	@echo "make lock   resolve the dependencies anew"
 
 $(READY): requirements.lock pyproject.toml
@@ -41,6 +42,10 @@ lint: $(READY)
 	$(BIN)/mypy
 
 check: lint test
+
+vscode:
+	cd editors/vscode && npm ci --no-progress && npm run -s package
+	@echo "to install it: code --install-extension editors/vscode/dist/sketchlang.vsix"
 
 lock:
 	$(BIN)/python -m pip install --quiet "pip-tools>=7.5"

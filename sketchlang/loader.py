@@ -9,7 +9,7 @@ import importlib
 import os
 import re
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import ModuleType
@@ -69,19 +69,41 @@ def load_sketch(
     `InputError` if the text or that file cannot be had.
     """
     extra: dict[str, Domain] = {}
-    if domain_file is not None and domain_file.endswith(PDDL):
-        domain = pddl_domain(domain_file)
-    elif domain_file is not None:
-        extra = domains_of_file(domain_file)
+    if domain_file is not None:
+        extra, given = given_domain(domain_file)
+        domain = given or domain
     return load_text(load_source(target), extra, domain)
+
+
+def given_domain(domain_file: str) -> tuple[dict[str, Domain], Domain | None]:
+    """What a file has that is given with `--domain`: the domains of a Python file by name, or the
+    one of a PDDL file, which is used whatever the sketch names. Raises `InputError`."""
+    if domain_file.endswith(PDDL):
+        return {}, pddl_domain(domain_file)
+    return domains_of_file(domain_file), None
 
 
 def load_text(
     source: Source, extra: dict[str, Domain] | None = None, domain: Domain | None = None
 ) -> Loaded:
     """The same for a text that is at hand, with domains that are found before others."""
-    parsed, diagnostics = parse(source)
-    parsed, more = read_includes(parsed)
+    return load_tree(*parse(source), extra, domain)
+
+
+def load_tree(
+    parsed: tree.Tree,
+    diagnostics: list[Diagnostic],
+    extra: dict[str, Domain] | None = None,
+    domain: Domain | None = None,
+    opened: Mapping[str, str] | None = None,
+) -> Loaded:
+    """The same for a tree and what was found when it was parsed.
+
+    `opened` are texts that count instead of the files of these (real) paths, such as those that
+    an editor has not saved yet.
+    """
+    source = parsed.source
+    parsed, more = read_includes(parsed, opened)
     missing: list[Diagnostic] = []
     if domain is None:
         domain, missing = find_domain(parsed, extra or {})
@@ -138,10 +160,12 @@ def _builtin_paths() -> Iterator[Path]:
 # Includes.
 
 
-def read_includes(parsed: tree.Tree) -> tuple[tree.Tree, list[Diagnostic]]:
+def read_includes(
+    parsed: tree.Tree, opened: Mapping[str, str] | None = None
+) -> tuple[tree.Tree, list[Diagnostic]]:
     """The tree with the trees of all the files that it includes, and what is wrong there."""
     diagnostics: list[Diagnostic] = []
-    return _expand(parsed, [parsed.source.name], {}, diagnostics), diagnostics
+    return _expand(parsed, [parsed.source.name], {}, diagnostics, opened or {}), diagnostics
 
 
 def _expand(
@@ -149,6 +173,7 @@ def _expand(
     path: list[str],
     known: dict[str, tree.Tree],
     diagnostics: list[Diagnostic],
+    opened: Mapping[str, str],
 ) -> tree.Tree:
     items: list[tree.Item] = []
     for item in parsed.items:
@@ -160,7 +185,7 @@ def _expand(
             items.append(item)
             continue
         try:
-            source = _included(item, parsed.source)
+            source = _included(item, parsed.source, opened)
         except InputError as error:
             message = f"{error.place}: {error.message}" if error.place else error.message
             diagnostics.append(Diagnostic("include-not-found", message, label, hint=error.hint))
@@ -182,7 +207,7 @@ def _expand(
             diagnostics.extend(found)
             # Not twice in a sketch: an include on a second way only repeats it.
             known[source.name] = other
-            known[source.name] = _expand(other, [*path, source.name], known, diagnostics)
+            known[source.name] = _expand(other, [*path, source.name], known, diagnostics, opened)
         items.append(replace(item, tree=known[source.name]))
     return replace(parsed, items=tuple(items))
 
@@ -190,7 +215,7 @@ def _expand(
 MAX_INCLUDES = 20
 
 
-def _included(item: tree.Include, source: Source) -> Source:
+def _included(item: tree.Include, source: Source, opened: Mapping[str, str]) -> Source:
     if not item.quoted:
         return load_builtin(item.target)
     base = Path() if source.name == "<stdin>" else Path(source.name).parent
@@ -202,7 +227,8 @@ def _included(item: tree.Include, source: Source) -> Source:
     if inside and (_HERE.parent / source.name).exists():
         # A built-in sketch is known by its path inside the installation.
         return _read(_HERE.parent / path, path.as_posix())
-    return _read(path, path.as_posix())
+    text = opened.get(os.path.realpath(path))
+    return _read(path, path.as_posix()) if text is None else Source(path.as_posix(), text)
 
 
 def load_builtin(name: str) -> Source:

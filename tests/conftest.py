@@ -10,12 +10,17 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import settings
 
 from domains.tabletop.scene.load import load_scene
 from domains.tabletop.scene.model import Scene
 from runtime.robot.load import load_robot
 from runtime.robot.model import RobotModel
 from sketchlang.library import find_scene
+
+# Time is measured by benchmarks: tests run on machines that are busy with other things.
+settings.register_profile("no deadline", deadline=None)
+settings.load_profile("no deadline")
 
 
 @pytest.fixture(scope="session")

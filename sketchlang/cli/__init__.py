@@ -17,6 +17,7 @@ COMMANDS = {
     "check": "Parse a sketch, check its types and rules.",
     "fmt": "Write sketches in their canonical form.",
     "explain": "Print what a diagnostic means.",
+    "lsp": "Serve an editor: diagnostics, hover, completion, renaming.",
     "new": "Write a working domain to start from.",
     "terminate": "Prove that a sketch terminates, or show how it does not.",
     "repair": "Find the smallest changes after which a sketch terminates.",

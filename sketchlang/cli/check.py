@@ -2,50 +2,22 @@
 
 from __future__ import annotations
 
+import os
 import sys
+from collections.abc import Iterator
 
 import click
 
 from sketchlang.cli.common import fail
+from sketchlang.cli.last import say_error
 from sketchlang.diagnostics import Diagnostic, Severity
+from sketchlang.domain import Domain
 from sketchlang.errors import InputError
-from sketchlang.loader import Loaded, domains_of_file, load_source, load_text
+from sketchlang.findings import findings
+from sketchlang.loader import given_domain, load_source, load_text
+from sketchlang.syntax import tree
 
 FORMATS = ("full", "concise", "json", "github", "sarif")
-
-
-def findings(loaded: Loaded) -> list[Diagnostic]:
-    """All that `check` says of a sketch, in the order of the text."""
-    found = list(loaded.diagnostics)
-    if loaded.ok:
-        found.extend(further_warnings(loaded))
-    main = loaded.source.name
-    found.sort(key=lambda one: (one.primary.source.name != main, one.primary.span))
-    return found
-
-
-def further_warnings(loaded: Loaded) -> list[Diagnostic]:
-    """Findings of analyses that only make sense for a sketch without errors."""
-    if not loaded.checked.model.rules:
-        return []
-    from sketchlang.analysis.coverage_report import warnings
-    from sketchlang.cli.common import Places, title
-
-    more = warnings(loaded.checked.model, Places(loaded).source, title(loaded))
-    return [one for one in more if one.code != "unusable-rule" or not _explained(one, loaded)]
-
-
-def _explained(unusable: Diagnostic, loaded: Loaded) -> bool:
-    """Whether it was said already why a rule can never be used."""
-    whole = unusable.primary
-    if any(one.code == "empty-goal" for one in loaded.diagnostics):
-        return True
-    return any(
-        one.code in ("goal-rule", "rule-against-invariant")
-        and one.primary.source.name == whole.source.name
-        and whole.span.start <= one.primary.span.start < whole.span.end
-        for one in loaded.diagnostics
-    )
 
 
 @click.command("check")
@@ -59,42 +31,71 @@ def _explained(unusable: Diagnostic, loaded: Loaded) -> bool:
     show_default=True,
     help="How findings are printed.",
 )
-def command(files: tuple[str, ...], domain_file: str | None, format_: str) -> None:
+@click.option("--watch", "again", is_flag=True, help="Check again whenever a file changes.")
+def command(files: tuple[str, ...], domain_file: str | None, format_: str, again: bool) -> None:
     """Parse sketches, check names, types and rules.
 
     FILE is a path, the name of a built-in sketch, or - for standard input. Exit 0 if there
-    are no errors, 1 if there are, 2 if a file cannot be read.
+    are no errors, 1 if there are, 2 if a file cannot be read; --watch goes on until Ctrl-C.
 
     \b
     Examples:
       sketchlang check pick_and_place
-      sketchlang check my.sketch --domain my_domain.py
+      sketchlang check my.sketch --domain my_domain.py --watch
       sketchlang check *.sketch --format json
     """
-    unreadable = False
+    if again:
+        if "-" in files:
+            fail("--watch needs files: standard input does not change")
+        from sketchlang.cli.watch import ticks, watch
+
+        watch(lambda: _look(files, domain_file, format_)[1], ticks())
+    status, _ = _look(files, domain_file, format_)
+    if status:
+        raise SystemExit(status)
+
+
+def _look(files: tuple[str, ...], domain_file: str | None, format_: str) -> tuple[int, list[str]]:
+    """Check files and print what was found: the exit status, and all files that were read."""
     found: list[Diagnostic] = []
     names: list[str] = []
+    paths = list(files)
+    extra: dict[str, Domain] = {}
+    domain: Domain | None = None
+    unreadable = False
     try:
-        extra = domains_of_file(domain_file) if domain_file is not None else {}
+        if domain_file is not None:
+            paths.append(domain_file)
+            extra, domain = given_domain(domain_file)
     except InputError as error:
-        fail(error)
+        say_error(f"error: {error}")
+        return 2, paths
     for file in files:
         try:
-            loaded = load_text(load_source(file), extra)
+            loaded = load_text(load_source(file), extra, domain)
         except InputError as error:
-            click.echo(f"error: {error}", err=True)
+            say_error(f"error: {error}")
             unreadable = True
             continue
         names.append(loaded.source.name)
         found.extend(findings(loaded))
+        paths.extend(_included(loaded.tree))
     if names:
         from sketchlang.render import console
 
         console.write(rendered(found, names, format_))
-    if unreadable:
-        raise SystemExit(2)
-    if any(one.severity is Severity.ERROR for one in found):
-        raise SystemExit(1)
+    errors = any(one.severity is Severity.ERROR for one in found)
+    return 2 if unreadable else int(errors), paths
+
+
+def _included(parsed: tree.Tree) -> Iterator[str]:
+    """The files that a sketch includes, those that are not there too."""
+    for item in parsed.items:
+        if isinstance(item, tree.Include) and item.tree is not None:
+            yield item.tree.source.name
+            yield from _included(item.tree)
+        elif isinstance(item, tree.Include) and item.quoted:
+            yield os.path.join(os.path.dirname(parsed.source.name), item.target)
 
 
 def rendered(found: list[Diagnostic], names: list[str], format_: str) -> str:

@@ -13,14 +13,10 @@ import click
 
 from sketchlang import files, reading
 from sketchlang.cli.last import INTERRUPTED
-from sketchlang.diagnostics import Label
 from sketchlang.domain import Domain
 from sketchlang.errors import CollectedInputError, InputError
-from sketchlang.escape import shown_line, visible
+from sketchlang.escape import shown_line
 from sketchlang.loader import PDDL, Loaded, load_sketch, pddl_domain
-from sketchlang.model import Rule
-from sketchlang.source import Source, Span
-from sketchlang.syntax import tree
 
 if TYPE_CHECKING:
     from runtime.trace.model import Trace
@@ -202,41 +198,3 @@ def _option_for(error: InputError) -> str | None:
         return "--scene"
     lost = error.message == "no such file" and str(error.place).endswith(".toml")
     return "--robot" if lost or error.message.startswith("unknown robot") else None
-
-
-class Places:
-    """Where rules were written: a sketch may include others, so in more than one file."""
-
-    def __init__(self, loaded: Loaded) -> None:
-        self._main = loaded.source
-        self._sources: dict[str, Source] = {}
-        self._collect(loaded.tree)
-
-    def _collect(self, parsed: tree.Tree) -> None:
-        for item in parsed.items:
-            if isinstance(item, tree.RuleItem):
-                self._sources.setdefault(item.name.text, parsed.source)
-            elif isinstance(item, tree.Include) and item.tree is not None:
-                self._collect(item.tree)
-
-    def source(self, rule: Rule) -> Source:
-        """The text in which a rule stands."""
-        return self._sources.get(rule.name, self._main)
-
-    def position(self, rule: Rule, span: Span | None = None) -> str:
-        """`file:line:column` of a rule, or of a span in it."""
-        source = self.source(rule)
-        line, column = source.position((span or rule.span).start)
-        return f"{source.name}:{line}:{column}"
-
-    def shown(self, rule: Rule, span: Span | None = None) -> str:
-        """The same for people."""
-        return visible(self.position(rule, span))
-
-
-def title(loaded: Loaded) -> Label:
-    """The sketch's name where it is declared: the place of what belongs to no item."""
-    for item in loaded.tree.items:
-        if isinstance(item, tree.Title):
-            return Label(loaded.source, item.name.span)
-    return Label(loaded.source, Span(0, 0))

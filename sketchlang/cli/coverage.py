@@ -6,8 +6,9 @@ import sys
 
 import click
 
-from sketchlang.cli.common import Places, domain_option, interruptible, load_valid
+from sketchlang.cli.common import domain_option, interruptible, load_valid
 from sketchlang.escape import dumps, shown_lines
+from sketchlang.findings import Places
 
 
 @click.command("coverage")

@@ -12,7 +12,6 @@ from sketchlang import __version__
 from sketchlang.cli.common import (
     DEEP,
     Number,
-    Places,
     check_outputs,
     domain_option,
     interruptible,
@@ -20,6 +19,7 @@ from sketchlang.cli.common import (
     say,
 )
 from sketchlang.escape import dumps, shown_lines
+from sketchlang.findings import Places
 
 
 @click.command("terminate")

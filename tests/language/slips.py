@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-from sketchlang.cli.check import findings
+from sketchlang.findings import findings
 from sketchlang.loader import load_text
 from sketchlang.source import Source
 

@@ -30,9 +30,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from sketchlang.cli.check import findings
 from sketchlang.compile import compile_sketch
 from sketchlang.domain import Domain, LoadOptions
+from sketchlang.findings import findings
 from sketchlang.loader import Loaded, domains_of_file, load_source, load_text
 from sketchlang.render import console
 
