@@ -110,6 +110,37 @@ def clear_grid(boxes, clearance, x0, y0, cell, rows, columns):  # type: ignore[n
 
 
 @njit(cache=True)
+def connected(clear, i, j):  # type: ignore[no-untyped-def]
+    """The cells (rows, columns) that hang together with cell (i, j), by their sides."""
+    found = np.zeros_like(clear)
+    if not clear[i, j]:
+        return found
+    pending = np.empty((clear.size, 2), dtype=np.int64)
+    pending[0, 0] = i
+    pending[0, 1] = j
+    found[i, j] = True
+    count = 1
+    while count > 0:
+        count -= 1
+        a = pending[count, 0]
+        b = pending[count, 1]
+        for side in range(4):
+            c = a + (1 if side == 0 else -1 if side == 1 else 0)
+            d = b + (1 if side == 2 else -1 if side == 3 else 0)
+            if (
+                0 <= c < clear.shape[0]
+                and 0 <= d < clear.shape[1]
+                and clear[c, d]
+                and not found[c, d]
+            ):
+                found[c, d] = True
+                pending[count, 0] = c
+                pending[count, 1] = d
+                count += 1
+    return found
+
+
+@njit(cache=True)
 def in_room(room, x0, y0, cell, boxes, clearance, x, y):  # type: ignore[no-untyped-def]
     """Whether a position is clear and in (or beside) a cell of the room (rows, columns)."""
     i = math.floor((x - x0) / cell)

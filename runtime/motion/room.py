@@ -37,17 +37,20 @@ class Room(NamedTuple):
 
 def room_around(boxes: Floats, clearance: Floats, x: float, y: float) -> Room:
     """The room in which a robot stands at (x, y)."""
-    from scipy import ndimage
-
     reach = np.hypot(boxes[:, 3], boxes[:, 4]) if len(boxes) else np.zeros(0)
     low = np.min(np.vstack([boxes[:, :2] - reach[:, None], [[x, y]]]), axis=0) - SPAN
     high = np.max(np.vstack([boxes[:, :2] + reach[:, None], [[x, y]]]), axis=0) + SPAN
     rows, columns = (math.ceil(span / CELL) for span in high - low)
     x0, y0 = float(low[0]), float(low[1])
     clear = plane.clear_grid(boxes, clearance, x0, y0, CELL, rows, columns)
-    parts, _ = ndimage.label(clear)
     i, j = int((x - x0) / CELL), int((y - y0) / CELL)
-    around = parts[max(0, i - 1) : i + 2, max(0, j - 1) : j + 2]
-    own = parts[i, j] or around.max()
-    cells = (parts == own) & (parts > 0)
+    # The edge of the room runs through cells: where the own one is not clear, a neighbour's
+    # room counts, the largest of them.
+    own = [(i, j)] if clear[i, j] else [(i + a, j + b) for a in (-1, 0, 1) for b in (-1, 0, 1)]
+    rooms = [
+        plane.connected(clear, a, b)
+        for a, b in own
+        if 0 <= a < clear.shape[0] and 0 <= b < clear.shape[1]
+    ]
+    cells = max(rooms, key=lambda cells: int(cells.sum()))
     return Room(cells, x0, y0, CELL, boxes, clearance)
