@@ -77,6 +77,9 @@ ARRAYS = ("listing", "valuations", "verify_ranks")
 
 ARRAY_MODULES = tuple(f"sketchlang.analysis.{name}" for name in ARRAYS)
 
+ABOVE = ("cli", "api.py", "__main__.py")
+"""What stands above the runtime and the domains."""
+
 LANGUAGE = [
     path for path in modules("sketchlang") if path.parts[1] not in ("cli", "api.py", "__main__.py")
 ]

@@ -54,27 +54,29 @@ class Hold:
 
 @dataclass(frozen=True, eq=False)
 class Item:
-    """One movable object. `standing` (3, 4) is its body's frame in its standing frame."""
+    """One movable object. `standing` (3, 4) is its body's frame in its standing frame;
+    `symmetry` is how many turns about z map it to itself, 24 where any does."""
 
     name: str
     body: Body
     standing: Pose
+    symmetry: int
 
     @classmethod
-    def of(cls, thing: Movable) -> tuple[Item, tuple[float, float, float, float]]:
-        """The item of a movable, and x, y, bottom and heading of it at the start (the pose of
-        its standing frame in the world)."""
-        axis = 0 if abs(thing.pose[2, 2]) > 0.7 else 2
-        yaw = math.atan2(thing.pose[1, axis], thing.pose[0, axis])
+    def of(
+        cls, thing: Movable, yaw: float, symmetry: int
+    ) -> tuple[Item, tuple[float, float, float, float]]:
+        """The item of a movable that has a heading at the start, and x, y, bottom and heading of
+        its standing frame in the world."""
         turned = compose(upright(0.0, 0.0, 0.0, -yaw), thing.pose)
-        loose = cls(thing.name, thing.body, turned)
+        loose = cls(thing.name, thing.body, turned, symmetry)
         points = loose.corners
         low, high = points.min(axis=0), points.max(axis=0)
         foot = np.array([*(low + high)[:2] / 2, low[2]])
         standing = turned.copy()
         standing[:, 3] -= foot
         x, y, z = apply(upright(0.0, 0.0, 0.0, yaw), foot[None])[0].tolist()
-        return cls(thing.name, thing.body, standing), (x, y, z, yaw)
+        return cls(thing.name, thing.body, standing, symmetry), (x, y, z, yaw)
 
     @property
     def corners(self) -> Floats:
@@ -118,16 +120,6 @@ class Item:
         """The centre of mass (3,) in the standing frame."""
         middle: Floats = apply(self.standing, np.array([self.body.centre]))[0]
         return middle
-
-    @cached_property
-    def symmetry(self) -> int:
-        """How many turns about z map the object to itself, 24 where any does."""
-        if all(_is_round(part) for part in self.parts):
-            return 24
-        solid = self.parts[0].solid
-        if len(self.parts) > 1 or type(solid).__name__ != "Box":
-            return 1
-        return 4 if math.isclose(self.size[0], self.size[1]) else 2
 
     @cached_property
     def kind(self) -> tuple[object, ...]:
@@ -250,14 +242,6 @@ def _slip(forward: Floats, across: Floats) -> Floats:
     high_right = np.where(right, forward, -np.inf).max(axis=0)
     slip: Floats = np.maximum(np.maximum(low_left - high_right, low_right - high_left), 0.0)
     return slip
-
-
-def _is_round(part: Part) -> bool:
-    """Whether a part looks the same from all sides, turned about z at the origin."""
-    kind = type(part.solid).__name__
-    centred = abs(part.pose[0, 3]) < 1e-6 and abs(part.pose[1, 3]) < 1e-6
-    upright = abs(abs(part.pose[2, 2]) - 1) < 1e-6
-    return centred and (kind == "Sphere" or (kind in {"Cylinder", "Capsule"} and upright))
 
 
 def why_not(item: Item, hand: Hand, families: Sequence[int]) -> str | None:

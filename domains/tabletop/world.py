@@ -23,7 +23,14 @@ from domains.tabletop.ground import Ground
 from domains.tabletop.hand import Hand, hand_of
 from domains.tabletop.items import Item
 from domains.tabletop.memory import Memory
-from domains.tabletop.scene.model import PoseGoal, RegionGoal, Scene
+from domains.tabletop.scene.model import (
+    AnyGoal,
+    HeldGoal,
+    PoseGoal,
+    RegionGoal,
+    Scene,
+    SceneObject,
+)
 from domains.tabletop.state import UNIT, BasePose, Grasp, Placement, State
 from runtime.kernels.convex import Obstacles, boxes_only, join
 from runtime.motion.roads import Roads
@@ -33,6 +40,7 @@ from runtime.world.body import Part
 from runtime.world.packed import UPRIGHT, PackedBodies, pack_bodies, upright_row
 from runtime.world.poses import Floats, Pose, compose, upright
 from runtime.world.solids import Box
+from runtime.world.stable import ANY_TURN
 from runtime.world.world import World
 from sketchlang.errors import InputError
 
@@ -92,7 +100,10 @@ class TabletopWorld:
                 f"the robot cannot stand at ({x:g}, {y:g}): it would touch a table or the fence",
                 place=f"{scene.name}: robot_start",
             )
-        made = [Item.of(thing) for thing in scene.world.movables]
+        made = [
+            Item.of(thing, described.rests.yaw, _symmetry(described))
+            for thing, described in zip(scene.world.movables, scene.objects, strict=True)
+        ]
         items = tuple(item for item, _ in made)
         return cls(
             scene=scene,
@@ -414,35 +425,58 @@ class TabletopWorld:
         fixed = self.goals.get(index)
         if fixed is not None:
             return fixed
-        goal = self.placed_goals.get(index)
-        return None if goal is None else self._sites(index, goal, here)
+        goal = self.scene.goals.get(index)
+        if goal is None or isinstance(goal, HeldGoal):
+            return None
+        if not isinstance(goal, AnyGoal):
+            return self._sites(index, goal, here)
+        return self._best_of(index, goal, here)
+
+    def _best_of(self, index: int, goal: AnyGoal, here: Arrangement) -> GoalSites | None:
+        """Of several goals one that holds, else the one with the fewest obstructions."""
+        choices = [
+            self._sites(index, each, here)
+            for each in goal.alternatives
+            if not isinstance(each, HeldGoal)
+        ]
+        placement = here.placements[index]
+        for sites in choices:
+            if placement is not None and sites.holds(placement):
+                return sites
+        found = [here.obstructions_with(index, sites, None, None) for sites in choices]
+        return choices[found.index(min(found))] if choices else None
 
     def _sites(
         self, index: int, goal: RegionGoal | PoseGoal, here: Arrangement | None
     ) -> GoalSites:
         """The sites of a goal; on a support that can be moved they are where it is now."""
-        ground = self.grounds[goal.surface]
+        ground = self.grounds[goal.support]
         below = (0.0, 0.0, 0.0, 0.0)
         if ground.owner is not None:
             assert here is not None
             below = self.rests(here.placements, ground.owner) or AWAY
         key: tuple[object, ...]
+        region: Ground | None = None
         if isinstance(goal, RegionGoal):
             inset = PLACING_INSET + max(item.outer_radius for item in self.items)
             if ground.owner is not None or inset > min(ground.half):
-                inset = PLACING_INSET + self.items[index].outer_radius
+                inset = PLACING_INSET + self.items[index].inner_radius
             xy = ground.lattice(LATTICE, inset)
-            key, region = ("region", goal.surface, round(inset, 6)), ground
+            key, region = ("region", goal.support, round(inset, 6)), ground
             tolerance, yaw = 0.0, None
         else:
-            xy, region = np.array([[goal.x, goal.y]]), None
-            key, tolerance, yaw = ("pose", index), goal.tolerance, getattr(goal, "yaw", None)
+            point, turn = (goal.x, goal.y), 0.0
+            if ground.owner is not None:  # such goals are in the frame of the region
+                point, turn = ground.outside(goal.x, goal.y), ground.yaw
+            xy = np.array([point])
+            yaw = None if goal.yaw is None else goal.yaw + turn
+            key, tolerance = ("pose", index, goal), goal.tolerance
         c, s = math.cos(below[3]), math.sin(below[3])
         turned = xy @ np.array([[c, s], [-s, c]])
         xyz = np.column_stack([turned + below[:2], np.full(len(xy), below[2] + ground.height)])
         return GoalSites(
             key if ground.owner is None else (*key, below),
-            goal.surface,
+            goal.support,
             xy,
             xyz,
             tolerance,
@@ -451,6 +485,12 @@ class TabletopWorld:
             region,
             None if ground.owner is None else below[3],
         )
+
+
+def _symmetry(thing: SceneObject) -> int:
+    """How many turns about z map an object to itself as it stands."""
+    turns = thing.stable[thing.rests.stable].symmetry
+    return HEADINGS if turns == ANY_TURN else max(1, turns)
 
 
 def is_fixed(robot: RobotModel) -> bool:

@@ -41,7 +41,7 @@ class WordGoals:
     def __init__(self, world: TabletopWorld, goal: WordGoal) -> None:
         self.world = world
         self.goal = goal
-        self.ground = world.grounds[goal.surface]
+        self.ground = world.grounds[goal.support]
         self.letters = [thing.letter for thing in world.scene.objects]
         self.symmetry = min(
             item.symmetry
@@ -68,7 +68,7 @@ class WordGoals:
         """Blocks on the table: position in its frame, and whether they are aligned with it."""
         blocks = {}
         for index, placement in enumerate(arrangement.placements):
-            if placement is not None and placement.support == self.goal.surface:
+            if placement is not None and placement.support == self.goal.support:
                 x, y, yaw = placement.pose
                 lx, ly = self.ground.local(x, y)
                 aligned = turn_error(yaw - self.ground.yaw, self.symmetry) < ALIGNED
@@ -174,7 +174,7 @@ class WordGoals:
         xy = np.array([[round(x, 5), round(y, 5)]])
         return GoalSites(
             key=("slot", *xy[0].tolist()),
-            support=self.goal.surface,
+            support=self.goal.support,
             xy=xy,
             xyz=np.array([[*xy[0], self.ground.height]]),
             tolerance=self.goal.tolerance,

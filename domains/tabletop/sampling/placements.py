@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import islice
 
 import numpy as np
 
@@ -22,9 +23,14 @@ from domains.tabletop.sampling.draw import PLACEMENTS, Draw, heading_bit, pick_h
 from domains.tabletop.state import Grasp, Placement, State
 from domains.tabletop.world import AWAY, PLACING_INSET, TabletopWorld
 from runtime.world.poses import Floats
+from runtime.world.world import FLOOR
 
 CHOICE = 3
 """Placements to put something aside are the best of so many times their number."""
+
+MOST = 100
+"""Bins of a support that are looked at, and four for each placement that is wanted, however
+large it is."""
 
 BIN = 0.1
 """Placements fall into the least filled bins of this size, in metres, as published."""
@@ -54,12 +60,13 @@ class PlacementSampler:
         return found + self._least_in_the_way(state, aside)
 
     def _supports(self, draw: Draw) -> list[int]:
-        """Supports on which something may be put aside: those that never move; once that
-        failed, the others as well, but for what the held object carries."""
+        """Supports on which something may be put aside: furniture; once that failed, the floor
+        and tops of objects as well."""
         world = self.world
         fixed = [i for i, ground in enumerate(world.grounds) if ground.owner is None]
-        if not draw.doubting:
-            return fixed
+        raised = [i for i in fixed if world.grounds[i].name != FLOOR]
+        if raised and not draw.doubting:
+            return raised
         here = arrangement(world, draw.state.placements)
         return fixed + [
             i
@@ -172,7 +179,7 @@ class PlacementSampler:
         radius = item.outer_radius if turns is None else item.inner_radius
         found: list[Placement] = []
         for turn in range(3):
-            for lx, ly in self._by_load(draw, support, spans):
+            for lx, ly in islice(self._by_load(draw, support, spans), MOST + 4 * number):
                 x, y = ground.outside(lx, ly)
                 site = _moved(frame, x, y, ground.height)
                 if self._is_taken(draw, site, radius, ground.owner):

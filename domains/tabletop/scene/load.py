@@ -10,13 +10,14 @@ import hashlib
 import math
 from pathlib import Path
 
-from domains.tabletop.scene.entry import Document
+from domains.tabletop.scene.entry import Document, Entry, known
 from domains.tabletop.scene.furniture import read_furniture, refuse_far
 from domains.tabletop.scene.goals import GoalReader
 from domains.tabletop.scene.model import Scene
 from domains.tabletop.scene.objects import read_objects
 from domains.tabletop.scene.overlaps import note_overlaps
 from domains.tabletop.scene.wanted import wanted_of
+from domains.tabletop.state import FAMILIES
 from runtime.world.world import World
 from sketchlang.reading import read_bytes
 
@@ -36,6 +37,7 @@ def load_scene(path: Path, name: str | None = None) -> Scene:
     drawn, placed = read_objects(root, furniture)
     wanted = GoalReader(drawn, placed).read(root)
     note_overlaps(drawn, placed, furniture.fixed)
+    families = _families(root)
     document.finish()
     objects = tuple(thing for thing in placed.objects if thing is not None)
     return Scene(
@@ -51,7 +53,22 @@ def load_scene(path: Path, name: str | None = None) -> Scene:
         objects,
         wanted.goals,
         wanted.word,
+        families,
     )
+
+
+def _families(root: Entry) -> tuple[int, ...]:
+    """The approaches that may be used, all unless the scene says which."""
+    if not root.has("approaches"):
+        return tuple(range(len(FAMILIES)))
+    names = root.names("approaches")
+    for name in names:
+        if name not in FAMILIES:
+            hint = known("approaches", name, FAMILIES)
+            root.problem("approaches", f"there is no approach {name!r}", hint)
+    if not names:
+        root.problem("approaches", "names no approach")
+    return tuple(i for i, name in enumerate(FAMILIES) if name in names)
 
 
 def _digest(path: Path, document: Document) -> str:

@@ -180,7 +180,8 @@ Goal = SingleGoal | AnyGoal
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """A scene; `goals` maps the index of an object to what is wanted of it.
+    """A scene; `goals` maps the index of an object to what is wanted of it, `families` are the
+    approaches that may be used (`domains.tabletop.state`).
 
     Supports are in this order: tables, boards of shelves, bins, the floor, tops of objects.
     """
@@ -189,7 +190,7 @@ class Scene:
     objects: tuple[SceneObject, ...]
     goals: dict[int, Goal]
     word: WordGoal | None
-    families: tuple[int, ...] = (0,)
+    families: tuple[int, ...] = (0, 1, 2)
 
     @property
     def name(self) -> str:
