@@ -15,6 +15,7 @@ from functools import cached_property
 import numpy as np
 
 from domains.tabletop.hand import Hand
+from domains.tabletop.outlines import Slab, around
 from domains.tabletop.state import PINCH, SIDE, TOP, Grasp
 from runtime.world.body import Body, Part
 from runtime.world.outline import vertices_and_edges
@@ -34,8 +35,8 @@ FRICTION = 0.6
 """Fingers hold what they touch on two sides if the points are nearly opposite: the tangent of
 the angle by which they may be beside each other, well within what friction bears."""
 
-TOUCHING = 2e-4
-"""Metres from the outermost point within which an outline touches a finger."""
+SIDE_LENGTH = 0.01
+"""Metres of an edge of an outline that counts as a side."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,20 +128,24 @@ class Item:
         solids = tuple((p.solid, tuple(np.round(p.pose, 9).ravel().tolist())) for p in self.parts)
         return solids, round(self.body.mass, 6)
 
-    def section(self, low: float, high: float) -> Floats:
-        """Corners (n, 2) of what is between two heights, seen from above."""
-        found = [np.zeros((0, 2))]
+    def section(self, low: float, high: float) -> list[Floats]:
+        """What is between two heights, seen from above: the corners (n, 2) of the convex outline
+        of each part, counter-clockwise."""
+        found = []
         for vertices, edges in self._outlines:
             inside = (vertices[:, 2] >= low - 1e-9) & (vertices[:, 2] <= high + 1e-9)
-            found.append(vertices[inside, :2])
+            points = [vertices[inside, :2]]
             ends = vertices[np.array(edges)]  # (e, 2, 3)
             for z in (low, high):
                 a, b = ends[:, 0], ends[:, 1]
                 crosses = (a[:, 2] - z) * (b[:, 2] - z) < 0
                 a, b = a[crosses], b[crosses]
                 share = (z - a[:, 2]) / (b[:, 2] - a[:, 2])
-                found.append(a[:, :2] + share[:, None] * (b[:, :2] - a[:, :2]))
-        return np.vstack(found)
+                points.append(a[:, :2] + share[:, None] * (b[:, :2] - a[:, :2]))
+            outline = around(np.vstack(points))
+            if len(outline):
+                found.append(outline)
+        return found
 
     def holds(self, hand: Hand, family: int, angles: Floats) -> Hold | None:
         """How a hand takes the object at some headings (k,) in its standing frame; None where
@@ -148,34 +153,50 @@ class Item:
         gripped = self._gripped(hand, family)
         if gripped is None:
             return None
-        height, points = gripped
-        forward = points @ np.array([np.cos(angles), np.sin(angles)])  # (n, k)
-        across = points @ np.array([-np.sin(angles), np.cos(angles)])
+        height, outlines = gripped
+        ahead = np.array([np.cos(angles), np.sin(angles)])
+        forward = np.vstack(outlines) @ ahead  # (n, k)
         near, far = forward.min(axis=0), forward.max(axis=0)
-        aside = (across.max(axis=0) + across.min(axis=0)) / 2
         if family == PINCH:
-            width = np.full(len(angles), self.size[2])
             along = near + np.minimum(PINCH_DEPTH, (far - near) / 2)
-            fits = (along - near) <= hand.back - PALM_AIR
+            slab = Slab(outlines, angles, along - hand.back, along + hand.tip)
+            width = np.full(len(angles), self.size[2])
+            fits = along - near <= hand.back - PALM_AIR
+        elif family == TOP:
+            # A long thing is taken over its centre of mass, where it hangs level.
+            along = self.centre[:2] @ ahead
+            slab = Slab(outlines, angles, along - hand.pad, along + hand.pad)
+            width = slab.width
+            fits = slab.slip <= FRICTION * width
         else:
-            width = across.max(axis=0) - across.min(axis=0)
-            along = np.zeros(len(angles)) if family == SIDE else (near + far) / 2
-            if family == TOP:
-                # A long thing is taken over its centre of mass, where it hangs level.
-                middle = self.centre[:2] @ np.array([np.cos(angles), np.sin(angles)])
-                along = middle
-                fits = np.ones(len(angles), dtype=bool)
-            else:
-                deepest = near + hand.back - PALM_AIR
-                along = np.minimum(along, deepest)
-                fits = along > near + min(0.01, 0.25 * float(np.ptp(points[:, 0])))
-            fits = fits & (_slip(forward, across) <= FRICTION * width)
-        fits = fits & (width + 2 * hand.clearance <= hand.max_opening + 1e-9)
-        fits = fits & self._is_borne(hand, angles, along, aside)
-        return Hold(family, height, width, along, aside, fits)
+            along = np.minimum(0.0, near + hand.back - PALM_AIR)
+            slab = Slab(outlines, angles, along - hand.back, along + hand.tip)
+            width = slab.width
+            fits = (slab.slip <= FRICTION * width) & (
+                along > near + np.minimum(0.01, (far - near) / 4)
+            )
+        fits = fits & (width > 0) & (width + 2 * hand.clearance <= hand.max_opening + 1e-9)
+        fits = fits & self._is_borne(hand, angles, along, slab.middle)
+        return Hold(family, height, width, along, slab.middle, fits)
 
-    def _gripped(self, hand: Hand, family: int) -> tuple[float, Floats] | None:
-        """The height of the grasp centre, and corners (n, 2) of what is between the fingers."""
+    @cached_property
+    def sides(self) -> Floats:
+        """Headings (k,) in the standing frame along which a hand meets a side squarely, [0, 2 pi);
+        none for what is round."""
+        if self.symmetry >= 24:
+            return np.zeros(0)
+        found = []
+        for outline in self.section(0.0, self.size[2]):
+            edges = np.roll(outline, -1, axis=0) - outline
+            long = np.hypot(edges[:, 0], edges[:, 1]) > SIDE_LENGTH
+            bearing = np.arctan2(edges[long, 1], edges[long, 0])
+            found += [bearing + turn * math.pi / 2 for turn in range(4)]
+        return (
+            np.unique(np.round(np.concatenate(found) % (2 * math.pi), 6)) if found else np.zeros(0)
+        )
+
+    def _gripped(self, hand: Hand, family: int) -> tuple[float, list[Floats]] | None:
+        """The height of the grasp centre, and the outlines of what is between the fingers."""
         if family not in self._known_grips:
             height = self._grasp_height(hand, family)
             found = None
@@ -185,13 +206,13 @@ class Item:
                     TOP: (max(0.0, height - hand.tip), self.size[2]),
                     PINCH: (0.0, self.size[2]),
                 }[family]
-                points = self.section(low, high)
-                found = (height, points) if len(points) else None
+                outlines = self.section(low, high)
+                found = (height, outlines) if outlines else None
             self._known_grips[family] = found
         return self._known_grips[family]
 
     @cached_property
-    def _known_grips(self) -> dict[int, tuple[float, Floats] | None]:
+    def _known_grips(self) -> dict[int, tuple[float, list[Floats]] | None]:
         return {}
 
     def _grasp_height(self, hand: Hand, family: int) -> float | None:
@@ -229,19 +250,6 @@ class Item:
             float(hold.along[k]),
             float(hold.aside[k]),
         )
-
-
-def _slip(forward: Floats, across: Floats) -> Floats:
-    """How far, along the heading, the points at which fingers touch an outline on the left and
-    on the right are beside each other (k,), for points (n, k) in the frame of each heading."""
-    left = across >= across.max(axis=0) - TOUCHING
-    right = across <= across.min(axis=0) + TOUCHING
-    low_left = np.where(left, forward, np.inf).min(axis=0)
-    high_left = np.where(left, forward, -np.inf).max(axis=0)
-    low_right = np.where(right, forward, np.inf).min(axis=0)
-    high_right = np.where(right, forward, -np.inf).max(axis=0)
-    slip: Floats = np.maximum(np.maximum(low_left - high_right, low_right - high_left), 0.0)
-    return slip
 
 
 def why_not(item: Item, hand: Hand, families: Sequence[int]) -> str | None:

@@ -23,7 +23,7 @@ from domains.tabletop.features.functions import (
     obstructions,
 )
 from domains.tabletop.features.goals import GoalSites
-from domains.tabletop.features.swept import HEADINGS, STEP
+from domains.tabletop.features.swept import HEADINGS
 from domains.tabletop.items import why_not
 from domains.tabletop.sampling.draw import Draw
 from domains.tabletop.state import Grasp, State
@@ -105,7 +105,7 @@ def _grasps(world: TabletopWorld, state: State, index: int) -> list[Grasp]:
     found = []
     for k in sorted(range(HEADINGS), key=lambda k: (k % 6, k % 3, k)):
         for family in world.families:
-            angle = k * STEP - at[3]
+            angle = float(world.hold(index, family, at[3]).angles[k]) - at[3]
             hold = item.holds(world.hand, family, np.array([angle]))
             if hold is not None and hold.fits[0]:
                 found.append(item.grasp(hold, 0, angle))

@@ -54,6 +54,9 @@ Placements = tuple[Placement | None, ...]
 PLACING_INSET = 0.005
 """Metres between the edge of a support and the outline of an object placed on it."""
 
+MIDDLES: Floats = np.arange(HEADINGS, dtype=np.float64) * STEP
+"""The K headings, radians."""
+
 AWAY = (1e3, 1e3, 0.0, 0.0)
 """Where the sites on an object are that is in the hand: nobody reaches them."""
 
@@ -61,11 +64,13 @@ AWAY = (1e3, 1e3, 0.0, 0.0)
 @dataclass(frozen=True, eq=False)
 class SiteHold:
     """How objects of one kind are taken at a site, for the K headings: rows (K, 3) of half the
-    width and the centre of the grasp, its height, and bits of the headings that fit."""
+    width and the centre of the grasp, its height, and bits of the headings that fit. `angles`
+    (K,) are the exact headings, within half a step of the K."""
 
     rows: Floats
     height: float
     fits: int
+    angles: Floats = field(default_factory=lambda: MIDDLES)
 
 
 @dataclass(frozen=True, eq=False)
@@ -282,13 +287,25 @@ class TabletopWorld:
         )
 
     def _hold(self, item: Item, family: int, yaw: float) -> SiteHold:
-        angles: Floats = np.arange(HEADINGS, dtype=np.float64) * STEP - yaw
-        found = item.holds(self.hand, family, angles)
-        if found is None:
-            return SiteHold(np.zeros((HEADINGS, 3)), 0.0, 0)
-        rows = np.column_stack([found.width / 2, found.along, found.aside])
-        fits = sum(1 << k for k in range(HEADINGS) if found.fits[k])
-        return SiteHold(rows, found.height, fits)
+        middles = MIDDLES
+        rows, angles, fits, height = np.zeros((HEADINGS, 3)), middles.copy(), 0, 0.0
+        for k in range(HEADINGS):
+            # Squarely on a side where there is one within the step, else as it comes.
+            near = [
+                middles[k] + turn
+                for turn in _turns(item.sides + yaw - middles[k])
+                if abs(turn) <= STEP / 2
+            ]
+            tried: Floats = np.array([*near, middles[k]])
+            found = item.holds(self.hand, family, tried - yaw)
+            if found is None:
+                break
+            height = found.height
+            chosen = next((i for i in range(len(tried)) if found.fits[i]), len(tried) - 1)
+            rows[k] = found.width[chosen] / 2, found.along[chosen], found.aside[chosen]
+            angles[k] = tried[chosen]
+            fits |= int(found.fits[chosen]) << k
+        return SiteHold(rows, height, fits, angles)
 
     def place_hold(
         self, index: int, family: int, yaw: float | None, grasp: Grasp | None
@@ -485,6 +502,12 @@ class TabletopWorld:
             region,
             None if ground.owner is None else below[3],
         )
+
+
+def _turns(angles: Floats) -> list[float]:
+    """Angles in (-pi, pi], the smallest turns first."""
+    wrapped = (angles + math.pi) % (2 * math.pi) - math.pi
+    return sorted(wrapped.tolist(), key=abs)
 
 
 def _symmetry(thing: SceneObject) -> int:

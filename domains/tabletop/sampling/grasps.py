@@ -67,7 +67,7 @@ class GraspSampler:
         if len(headings) < number:
             headings += pick_headings(free & ~narrow, number - len(headings), rng)
         # What the estimate holds for best stays in; what is tried besides strays from it.
-        angles = [k * STEP for k in headings]
+        angles = [float(hold.angles[k]) for k in headings]
         if attempt > 0:
             strays = pick_headings(swept.ALL & hold.fits if draw.doubting else free, number, rng)
             angles += [k * STEP + rng.uniform(-STEP / 2, STEP / 2) for k in strays]
