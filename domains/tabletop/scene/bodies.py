@@ -33,6 +33,9 @@ def read_body(entry: Entry) -> Body | None:
     """The body of an object, or None where something is wrong with it."""
     default = "mesh" if entry.has("mesh") and not entry.has("shape") else "box"
     shape = entry.one_of("shape", list(KEYS), default)
+    if entry.has("shape") and entry.data["shape"] != shape:
+        entry.ignore([key for keys in KEYS.values() for key in (*keys, "mass")])
+        return None  # without a shape nobody knows which lengths it has
     others = sorted({key for keys in KEYS.values() for key in keys} - set(KEYS[shape]))
     entry.refuse(others, f"a {shape} has none; it has {' and '.join(KEYS[shape])}")
     mass = entry.positive("mass") if entry.has("mass") else None

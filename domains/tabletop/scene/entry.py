@@ -93,6 +93,10 @@ class Entry:
             if self.has(key):
                 self.problem(key, why)
 
+    def ignore(self, keys: Iterable[str]) -> None:
+        """Let keys pass that mean nothing while another one is wrong."""
+        self._asked.update(dict.fromkeys(keys))
+
     # -- values -----------------------------------------------------------------------------
 
     def has(self, key: str) -> bool:

@@ -125,7 +125,7 @@ def _draw(entry: Entry, furniture: Furniture) -> Drawn:
     body, rpy = read_body(entry), orientation(entry)
     on = entry.names("on") if entry.has("on") else []
     at = None
-    if entry.has("at") or not on:
+    if entry.has("at") or not entry.has("on"):
         x, y = entry.numbers("at", 2)
         refuse_far(entry, "at", (x, y))
         at = x, y
