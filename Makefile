@@ -5,13 +5,16 @@ VENV   := .venv
 BIN    := $(VENV)/bin
 READY  := $(VENV)/.ready
 SCENE  ?= sorting/4t-07
+SECONDS ?= 600
+SEED   ?= 0
 
-.PHONY: demo test lint check slow lock clean help vscode
+.PHONY: demo test lint check slow fuzz lock clean help vscode
 
 help:
 	@echo "make demo   plan a sorting scene, certify the plan, write a page to watch it (SCENE=...)"
 	@echo "make test   all fast tests"
 	@echo "make slow   end-to-end tests that take minutes"
+	@echo "make fuzz   damaged files of every format, for ten minutes (SECONDS=..., SEED=...)"
 	@echo "make lint   lint and types"
 	@echo "make check  lint, types and fast tests, for the daily loop"
 	@echo "make vscode package the VS Code extension (needs Node.js)"
@@ -35,6 +38,9 @@ test: $(READY)
 
 slow: $(READY)
 	$(BIN)/python -m pytest -m slow
+
+fuzz: $(READY)
+	$(BIN)/python -m tests.fuzz --seconds $(SECONDS) --seed $(SEED)
 
 lint: $(READY)
 	$(BIN)/ruff check .
