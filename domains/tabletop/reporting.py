@@ -93,8 +93,9 @@ class TabletopReporting:
         return TabletopDocument(world, document(world, model, outcome, planner, seed))
 
     def hopeless(self) -> list[dict[str, Any]]:
-        """What makes the task impossible, whatever a search would do."""
-        return before(self.problem)
+        """What makes the task impossible, whatever a search would do; nothing is certain where
+        a domain has been extended by actions."""
+        return [] if self.problem.sampler.schemas else before(self.problem)
 
     def why(self, outcome: Outcome) -> list[dict[str, Any]]:
         """What keeps each misplaced object from its goal."""

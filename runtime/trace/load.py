@@ -22,9 +22,11 @@ def load_trace(
     scene: str | None = None,
     robot: str | None = None,
     sketch: str | None = None,
+    domain_file: str | None = None,
 ) -> Trace:
-    """The trace of a plan or trace file; scene, robot and sketch are for plans that do not
-    name built-in ones. `find_world` gives the world of a scene by its name or path.
+    """The trace of a plan or trace file. Scene, robot and sketch are for plans that do not
+    name built-in ones, `domain_file` is the Python file of a domain that the sketch needs;
+    `find_world` gives the world of a scene by its name or path.
 
     Raises:
         InputError: what is wrong with the file, and where.
@@ -37,5 +39,5 @@ def load_trace(
         plan,
         find_world(scene or plan.scene),
         load_robot(robot or plan.robot),
-        load_trace_sketch(sketch or plan.sketch),
+        load_trace_sketch(sketch or plan.sketch, domain_file),
     )

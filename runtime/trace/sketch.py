@@ -10,7 +10,7 @@ from sketchlang.syntax import tree
 HINT = "name the sketch that the plan was made with: --sketch FILE"
 
 
-def load_trace_sketch(target: str) -> TraceSketch:
+def load_trace_sketch(target: str, domain_file: str | None = None) -> TraceSketch:
     """The sketch of a file or built-in name.
 
     Raises:
@@ -19,12 +19,15 @@ def load_trace_sketch(target: str) -> TraceSketch:
     if target == "-":  # standard input is for what a user asks for, not for what a file says
         raise InputError("the sketch has no name", hint=HINT)
     try:
-        loaded = load_sketch(target)
+        loaded = load_sketch(target, domain_file)
     except InputError as error:
         raise InputError(error.message, place=error.place, hint=HINT) from None
     if not loaded.ok:
         raise InputError(
-            "the sketch has errors", place=target, hint=f"`sketchlang check {target}` lists them"
+            "the sketch has errors",
+            place=target,
+            hint=f"`sketchlang check {target}` lists them; a domain of your own is given with "
+            "--domain FILE",
         )
     return trace_sketch(loaded)
 

@@ -58,6 +58,9 @@ def pddl_of(task: str, domain_pddl: str | None) -> Domain | None:
 def trace_options(command: Callable[P, R]) -> Callable[P, R]:
     """FILE, a plan or a trace, and what a plan refers to where that is not built in."""
     for option in (
+        click.option(
+            "--domain", "domain_file", metavar="FILE", help="The domain that the sketch needs."
+        ),
         click.option("--sketch", help="The sketch, where a plan does not name a built-in one."),
         click.option("--robot", help="The robot, where a plan does not name a built-in one."),
         click.option("--scene", help="The scene, where a plan does not name a built-in one."),
@@ -153,7 +156,13 @@ class Number(click.FloatRange):
         return number
 
 
-def load_named(file: Path, scene: str | None, robot: str | None, sketch: str | None) -> Trace:
+def load_named(
+    file: Path,
+    scene: str | None,
+    robot: str | None,
+    sketch: str | None,
+    domain_file: str | None = None,
+) -> Trace:
     """The trace of FILE, a plan or a trace, with what `trace_options` give for it.
 
     Raises:
@@ -162,10 +171,10 @@ def load_named(file: Path, scene: str | None, robot: str | None, sketch: str | N
     from domains.tabletop.scene.worlds import find_world
     from runtime.trace.load import load_trace
 
-    given = {"--scene": scene, "--robot": robot, "--sketch": sketch}
+    given = {"--scene": scene, "--robot": robot, "--sketch": sketch, "--domain": domain_file}
     _refuse_for_traces(file, [option for option, value in given.items() if value is not None])
     try:
-        return load_trace(file, find_world, scene, robot, sketch)
+        return load_trace(file, find_world, scene, robot, sketch, domain_file)
     except InputError as error:
         option = _option_for(error)
         if option is None or given[option] is not None:

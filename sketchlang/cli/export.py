@@ -50,6 +50,7 @@ def command(
     scene: str | None,
     robot: str | None,
     sketch: str | None,
+    domain_file: str | None,
     trajectory: Path | None,
     bag: Path | None,
     glb: Path | None,
@@ -64,13 +65,13 @@ def command(
     if trajectory is None and bag is None and glb is None:
         fail("nothing to write: give --trajectory, --bag or --glb")
     outputs = {"--trajectory": trajectory, "--bag": bag, "--glb": glb}
-    check_outputs((file, scene, robot, sketch), outputs, folders=("--bag",))
+    check_outputs((file, scene, robot, sketch, domain_file), outputs, folders=("--bag",))
     try:
         if bag is not None:
             from runtime.export.bag import check_bag
 
             check_bag(bag)
-        trace = load_named(file, scene, robot, sketch)
+        trace = load_named(file, scene, robot, sketch, domain_file)
         check_outputs((), outputs, folders=("--bag",))  # again: what a plan names was read now
         if glb is not None and at > trace.duration + ROUNDING:
             fail(f"--at: {at:g} s is after the end, {trace.duration:.2f} s")

@@ -51,6 +51,7 @@ def command(
     scene: str | None,
     robot: str | None,
     sketch: str | None,
+    domain_file: str | None,
     html: Path | None,
     png: Path | None,
     mp4: Path | None,
@@ -69,13 +70,13 @@ def command(
     if html is None and png is None and mp4 is None and trace is None:
         fail("nothing to write: give --html, --png, --mp4 or --trace")
     outputs = {"--html": html, "--png": png, "--mp4": mp4, "--trace": trace}
-    check_outputs((file, scene, robot, sketch), outputs, folders=("--png",))
+    check_outputs((file, scene, robot, sketch, domain_file), outputs, folders=("--png",))
     try:
         if mp4 is not None:
             from runtime.show.pictures import check_film
 
             check_film(mp4)
-        found = load_named(file, scene, robot, sketch)
+        found = load_named(file, scene, robot, sketch, domain_file)
         check_outputs((), outputs, folders=("--png",))  # again: what a plan names was read now
         if trace is not None:
             from runtime.trace.write import write_trace

@@ -17,6 +17,7 @@ from typing import TypeVar, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from domains.tabletop.actions.arm import Arm
 from domains.tabletop.actions.reach import Reach, ReachSolver, grip_of, held_parts
 from domains.tabletop.state import UNIT, BasePose, Grasp, Placement, State
 from domains.tabletop.world import TabletopWorld
@@ -60,7 +61,8 @@ class Manipulation:
     @property
     def key(self) -> object:
         """Equal for the same question; another one as soon as something in reach has moved."""
-        return self.base, self.target, self.others.rows.tobytes(), len(self.riders)
+        riders = tuple((part.solid, part.pose.tobytes()) for part in self.riders)
+        return self.base, self.target, self.others.rows.tobytes(), riders
 
 
 class Executor:
@@ -84,32 +86,13 @@ class Executor:
             return []
         step = self.profile.in_arm_workspace
         with step.timed():
-            inside = self._within(state, base, targets)
+            inside = within_reach(self.world, state, base, targets)
         step.record(int(inside.sum()), len(targets))
         return [target for target, ok in zip(targets, inside, strict=True) if ok]
 
-    def _within(self, state: State, base: BasePose, targets: Sequence[Target]) -> NDArray[np.bool_]:
-        """Which targets (k,) have their wrist between the arm's inner and outer reach."""
-        world = self.world
-        x, y, yaw = base.pose
-        c, s = math.cos(yaw), math.sin(yaw)
-        cx, cy = world.shoulder
-        hx, hy = x + c * cx - s * cy, y + s * cx + c * cy
-        inside = np.zeros(len(targets), dtype=np.bool_)
-        for i, (index, placement, grasp) in enumerate(targets):
-            at = world.rests_at(state.placements, index, placement)
-            if at is None:
-                continue
-            found = world.hand.workspace(grasp.family, at[2] + grasp.height * UNIT)
-            if found is None:
-                continue
-            wrist, inner, outer = found
-            heading = at[3] + grasp.heading
-            c, s = math.cos(heading), math.sin(heading)
-            along, aside = grasp.along * UNIT - wrist, grasp.aside * UNIT
-            dx, dy = at[0] + c * along - s * aside - hx, at[1] + s * along + c * aside - hy
-            inside[i] = inner <= math.hypot(dx, dy) <= outer
-        return inside
+    def arm(self, state: State, seeds: int, *about: object) -> Arm:
+        """The arm where the robot stands in a state; `about` tells questions apart."""
+        return Arm(self.world, self.solver, state, seeds, self._seed(state.base, *about))
 
     # -- steps 2 and 3 --------------------------------------------------------------------
 
@@ -140,7 +123,7 @@ class Executor:
             key = ("motion", picks, reach.approach[-1].tobytes(), asked.key)
             motion = self._known(key, lambda: self._motion(asked, reach, picks))
             after = state.picked(index, grasp) if picks else state.placed(index, placement)
-            if not isinstance(motion, Rejection) and not self._can_leave(after):
+            if not isinstance(motion, Rejection) and not self.can_leave(after):
                 motion = Rejection("motion_plan", name)
         step.record(not isinstance(motion, Rejection))
         return motion
@@ -238,7 +221,7 @@ class Executor:
         step.record(not isinstance(motion, Rejection))
         return motion
 
-    def _can_leave(self, state: State) -> bool:
+    def can_leave(self, state: State) -> bool:
         """Whether the robot, with what it holds then, can drive off from where it stands."""
         return self.world.is_fixed or self._roads_for(state).can_leave(state.base.pose)
 
@@ -266,3 +249,29 @@ class Executor:
         riders = world.rider_parts(state.placements, state.held)
         parts = tuple(Part(p.solid, compose(standing, p.pose)) for p in riders)
         return world.robot.body(grip.closed, held_parts(item, state.grasp.tool) + parts)
+
+
+def within_reach(
+    world: TabletopWorld, state: State, base: BasePose, targets: Sequence[Target]
+) -> NDArray[np.bool_]:
+    """Which targets (k,) have their wrist between the arm's inner and outer reach for a robot
+    that stands at a base pose."""
+    x, y, yaw = base.pose
+    c, s = math.cos(yaw), math.sin(yaw)
+    cx, cy = world.shoulder
+    hx, hy = x + c * cx - s * cy, y + s * cx + c * cy
+    inside = np.zeros(len(targets), dtype=np.bool_)
+    for i, (index, placement, grasp) in enumerate(targets):
+        at = world.rests_at(state.placements, index, placement)
+        if at is None:
+            continue
+        found = world.hand.workspace(grasp.family, at[2] + grasp.height * UNIT)
+        if found is None:
+            continue
+        wrist, inner, outer = found
+        heading = at[3] + grasp.heading
+        c, s = math.cos(heading), math.sin(heading)
+        along, aside = grasp.along * UNIT - wrist, grasp.aside * UNIT
+        dx, dy = at[0] + c * along - s * aside - hx, at[1] + s * along + c * aside - hy
+        inside[i] = inner <= math.hypot(dx, dy) <= outer
+    return inside

@@ -8,7 +8,7 @@ out along the line that it came on. A `Reach` holds both lines.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +19,7 @@ from domains.tabletop.state import Grasp
 from runtime.kernels import ik
 from runtime.kernels.convex import Obstacles
 from runtime.motion.arm_context import CONTACT_MARGIN, ArmContext
+from runtime.motion.base import outline
 from runtime.robot.model import Floats, RobotModel
 from runtime.world.body import Part
 from runtime.world.poses import Pose, compose, invert
@@ -98,8 +99,21 @@ class ReachSolver:
         """
         robot = self.robot
         empty = ArmContext(robot, robot.body(grip.opening), with_object)
-        starts = self._starts(rng, seeds)
-        number = -1
+        for q in self._free_from(empty, target, self._starts(rng, seeds)):
+            reach = self._lines(held, grip, target, q, empty, others)
+            if reach is not None:
+                return reach
+        return None
+
+    def postures(
+        self, context: ArmContext, target: Pose, seeds: int, seed: int
+    ) -> Iterator[Floats]:
+        """Configurations (n,) that are free of contact and take the tool to `target` (3, 4) in
+        the base frame, found from so many seeds."""
+        return self._free_from(context, target, self._starts(np.random.default_rng(seed), seeds))
+
+    def _free_from(self, context: ArmContext, target: Pose, starts: Floats) -> Iterator[Floats]:
+        robot, number = self.robot, -1
         while True:
             number = ik.first_free(
                 robot.chain,
@@ -110,15 +124,23 @@ class ReachSolver:
                 starts,
                 number + 1,
                 ITERATIONS,
-                empty.body,
-                empty.obstacles,
+                context.body,
+                context.obstacles,
                 CONTACT_MARGIN,
             )
             if number < 0:
-                return None
-            reach = self._lines(held, grip, target, starts[number], empty, others)
-            if reach is not None:
-                return reach
+                return
+            yield starts[number]
+
+    def ahead(self, opening: float) -> float:
+        """Metres that the hand reaches ahead of the grasp centre, the fingers `opening` apart."""
+        body = self.robot.body(opening)
+        to_tool, most = invert(self.robot.tool), -math.inf
+        for i in np.flatnonzero(body.frame == len(self.robot.joints)):
+            points, rounding = outline(body, int(i))
+            forward = compose(to_tool, body.pose[i])[0]
+            most = max(most, float((points @ forward[:3] + forward[3]).max()) + rounding)
+        return most
 
     def _starts(self, rng: np.random.Generator, number: int) -> Floats:
         """Configurations (number, n) to start from."""
@@ -151,24 +173,24 @@ class ReachSolver:
         """The lines in, up and out through a free configuration at the grasp."""
         robot = self.robot
         back = -APPROACH * target[:, 0]
-        out = self._line(target, back, q)
+        out = self.line(target, back, q)
         if out is None or not empty.path_is_free(out, CONTACT_MARGIN):
             return None
         full = ArmContext(robot, robot.body(grip.closed, held), others)
         up = np.array([0.0, 0.0, LIFT])
-        lift = self._line(target, up, q)
+        lift = self.line(target, up, q)
         if lift is None:
             return None
         lifted = target.copy()
         lifted[:, 3] += up
-        retreat = self._line(lifted, back, lift[-1])
+        retreat = self.line(lifted, back, lift[-1])
         if retreat is None:
             return None
         if not full.path_is_free(np.vstack([lift, retreat[1:]]), CONTACT_MARGIN):
             return None
         return Reach(out[::-1].copy(), lift, retreat, grip.opening, grip.closed)
 
-    def _line(self, target: Pose, offset: Floats, start: Floats) -> Floats | None:
+    def line(self, target: Pose, offset: Floats, start: Floats) -> Floats | None:
         """Configurations that move the tool on a straight line from the target pose."""
         steps = max(1, math.ceil(float(np.linalg.norm(offset)) / LINE_STEP))
         path = [start]
