@@ -21,6 +21,7 @@ COMMANDS = {
     "new": "Write a working domain to start from.",
     "terminate": "Prove that a sketch terminates, or show how it does not.",
     "repair": "Find the smallest changes after which a sketch terminates.",
+    "test": "Test a sketch against states of small scenes.",
     "compare": "Tell whether two sketches name the same subgoals.",
     "verify": "Check a proof of termination independently.",
     "coverage": "Find states that no rule provides for.",

@@ -1,0 +1,143 @@
+"""The states of a scene: all of them where there are few, else near ones and random walks."""
+
+from __future__ import annotations
+
+import heapq
+from collections import deque
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from runtime.search.guide import Guide, Values
+from runtime.search.limits import Limits
+from runtime.search.problem import Action, Rejection, SearchProblem, State
+
+WALK = 200
+"""Steps of a random walk."""
+
+NEAR = 0.5
+"""The part of the states that are taken from near the start before walks go further."""
+
+RISING = 8
+"""A feature that reaches one part in so many of the steps of a climb is taken to be unbounded."""
+
+
+@dataclass(eq=False)
+class Seen:
+    """A state, its feature values, and how it was reached."""
+
+    state: State
+    values: Values
+    parent: Seen | None = None
+    action: Action = None
+
+    def actions(self) -> list[str]:
+        """The actions from the scene's initial state to this one, as texts."""
+        texts: list[str] = []
+        seen: Seen | None = self
+        while seen is not None and seen.parent is not None:
+            texts.append(str(seen.action))
+            seen = seen.parent
+        return texts[::-1]
+
+
+@dataclass(frozen=True)
+class Explored:
+    """States of a scene in the order in which they were found; all there are, if `complete`."""
+
+    states: list[Seen] = field(default_factory=list)
+    complete: bool = True
+
+
+def successors(
+    problem: SearchProblem, state: State, rng: np.random.Generator
+) -> Iterator[tuple[Action, State]]:
+    """The executable actions of a state, as they are sampled there."""
+    subproblem = problem.subproblem(state, 0, rng)
+    for action, after in subproblem.actions(state):
+        if not isinstance(subproblem.execute(state, action), Rejection):
+            yield action, after
+
+
+def explore(
+    problem: SearchProblem, guide: Guide, most: int, limits: Limits, rng: np.random.Generator
+) -> Explored:
+    """Up to `most` states, breadth first, and behind that by random walks.
+
+    Raises:
+        OutOfTimeError: when the limits say so.
+        EvaluationError: a function of the domain breaks its promise.
+    """
+    root = Seen(problem.initial, guide.values(problem.initial))
+    known = {problem.initial: root}
+    queue = deque([root])
+    while queue:
+        seen = queue.popleft()
+        for action, after in successors(problem, seen.state, rng):
+            limits.check()
+            if after not in known:
+                known[after] = Seen(after, guide.values(after), seen, action)
+                queue.append(known[after])
+        if len(known) > most:
+            known = {s.state: s for s in list(known.values())[: max(1, int(most * NEAR))]}
+            _walk(problem, guide, known, most, limits, rng)
+            return Explored(list(known.values()), complete=False)
+    return Explored(list(known.values()))
+
+
+def _walk(
+    problem: SearchProblem,
+    guide: Guide,
+    known: dict[State, Seen],
+    most: int,
+    limits: Limits,
+    rng: np.random.Generator,
+) -> None:
+    """Adds the states of random walks from states that are known."""
+    steps = 0
+    while len(known) < most and steps < most * 4:
+        starts = list(known.values())
+        seen = starts[int(rng.integers(len(starts)))]
+        for _ in range(WALK):
+            steps += 1
+            limits.check()
+            choices = list(successors(problem, seen.state, rng))
+            if not choices or len(known) >= most:
+                break
+            action, after = choices[int(rng.integers(len(choices)))]
+            if after not in known:
+                known[after] = Seen(after, guide.values(after), seen, action)
+            seen = known[after]
+
+
+def climb(
+    problem: SearchProblem,
+    guide: Guide,
+    feature: int,
+    steps: int,
+    limits: Limits,
+    rng: np.random.Generator,
+) -> Seen | None:
+    """A state from which a feature seems to rise without end, by going uphill for some steps.
+
+    None if it levels off: then nothing speaks against a bound.
+    """
+    root = Seen(problem.initial, guide.values(problem.initial))
+    known = {problem.initial}
+    queue: list[tuple[int, int, Seen]] = [(-root.values[feature], 0, root)]
+    highest, when, taken = root, 0, 0
+    while queue and taken < steps:
+        _, _, seen = heapq.heappop(queue)
+        taken += 1
+        if seen.values[feature] > highest.values[feature]:
+            highest, when = seen, taken
+        for action, after in successors(problem, seen.state, rng):
+            limits.check()
+            if after not in known:
+                known.add(after)
+                child = Seen(after, guide.values(after), seen, action)
+                heapq.heappush(queue, (-child.values[feature], -len(known), child))
+    risen = highest.values[feature] - root.values[feature]
+    still = when > 0.9 * taken
+    return highest if queue and still and risen * RISING >= taken >= steps else None
