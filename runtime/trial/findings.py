@@ -115,20 +115,20 @@ class Examiner:
             self.trial.states[scene] = len(found.states)
             self.trial.complete[scene] = found.complete
             for seen in found.states:
-                self._look(scene, seen)
+                self._look(scene, seen, guide)
             self._climbs(scene, problem, guide)
             self._subproblems(scene, problem, guide, found)
         except OutOfTimeError:
             self.trial.out_of_time = True
 
-    def _look(self, scene: str, seen: Seen) -> None:
+    def _look(self, scene: str, seen: Seen, guide: Guide) -> None:
         """Invariants and coverage of one state."""
         model, values = self.trial.model, seen.values
         self.trial.valuations.add(sum((v > 0) << f for f, v in enumerate(values)))
         for number, invariant in enumerate(model.invariants):
             if not holds(invariant.formula, values):
                 self._tell("invariant", number, f"invariant {invariant.text} is false", scene, seen)
-        if model.is_goal(values):
+        if guide.is_goal(values, seen.state):
             return
         applicable = [rule for rule in model.rules if rule.applies(values)]
         self.trial.applied.update(rule.name for rule in applicable)
@@ -160,7 +160,7 @@ class Examiner:
         for seen in (*self._run(problem, guide), *self._sample(found.states)):
             # One state of a valuation that is too wide is enough: such searches take long.
             where = _valuation(self.trial.model, seen.values)
-            if self.trial.model.is_goal(seen.values) or where in self._wide:
+            if guide.is_goal(seen.values, seen.state) or where in self._wide:
                 continue
             self._measure(scene, problem, guide, seen)
 
@@ -174,7 +174,7 @@ class Examiner:
         """The states at which the sketch itself arrives, from the start on."""
         seen = Seen(problem.initial, guide.values(problem.initial))
         run: dict[object, Seen] = {}
-        while seen.state not in run and not self.trial.model.is_goal(seen.values):
+        while seen.state not in run and not guide.is_goal(seen.values, seen.state):
             self.limits.check()
             if len(run) >= self.effort.subproblems:
                 break

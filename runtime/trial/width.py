@@ -47,7 +47,7 @@ def width_of(
     """
     for action, after in successors(problem, state, rng):
         limits.check()
-        rule = guide.fired(values, guide.values(after))
+        rule = guide.fired(values, guide.values(after), after)
         if rule is not None:
             return Width(0, rule, ((action, after),), True)
     attempts = 1 if isinstance(problem, ClassicalProblem) else limits.attempts
@@ -79,7 +79,7 @@ def _any_subgoal(
             limits.check()
             if after in known:
                 continue
-            if guide.fired(values, guide.values(after)) is not None:
+            if guide.fired(values, guide.values(after), after) is not None:
                 return True
             known.add(after)
             queue.append(after)
