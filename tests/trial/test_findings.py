@@ -108,7 +108,7 @@ def planted(tmp_path: Path, name: str, old: str, new: str) -> dict[str, Any]:
         ("delivery_policy", "p = 0 }", "p = 0, t = 0 }", "uncovered", "t > 0"),
         ("delivery_policy", "rule pick { !H, p = 0 }", "rule pick { H, p = 0 }", "uncovered", "!H"),
         ("delivery_s5", "{ !H }", "{ !H, n = 0 }", "never-fires", "pick"),
-        ("delivery_s4", "n--", "n++", "dead-end", "dead end"),
+        ("delivery_s4", "n--", "n++", "never-fires", "deliver"),
     ],
 )
 def test_planted_falsehoods(
