@@ -20,7 +20,7 @@ from runtime.physics.execute import lean
 from runtime.physics.follow import ARM_BRAKING, Follower
 from runtime.physics.recorder import Recorder
 from runtime.physics.simulation import Physics
-from runtime.robot.load import built_in_robots, load_robot
+from runtime.robot.load import DEFAULT_ROBOT, load_robot
 from runtime.trace.kinematics import Tree, links_at
 from runtime.trace.model import Grip, Trace, TraceAction
 from runtime.trace.sketch import load_trace_sketch
@@ -37,7 +37,7 @@ class Bench:
     """A simulation that stands at the start of a trace's first pick, and what drives it."""
 
     def __init__(self, trace: Trace) -> None:
-        self.trace, self.robot = trace, load_robot(built_in_robots()[0])
+        self.trace, self.robot = trace, load_robot(DEFAULT_ROBOT)
         self.scene = load_scene(*find_scene("sorting/3t-02"))
         self.number = next(i for i, a in enumerate(trace.actions) if a.name == "pick")
         self.pick: TraceAction = trace.actions[self.number]
@@ -92,7 +92,7 @@ class Bench:
 def closed_loop(kind: str, seed: int) -> ClosedLoop:
     """One that has not begun, in `sorting/3t-02`."""
     path, name = find_scene("sorting/3t-02")
-    scene, robot = load_scene(path, name), load_robot(built_in_robots()[0])
+    scene, robot = load_scene(path, name), load_robot(DEFAULT_ROBOT)
     compiled = compile_sketch(load_sketch("pick_and_place").checked)
     return ClosedLoop(compiled, load_trace_sketch("pick_and_place"), scene, robot, seed, kind)
 

@@ -15,7 +15,7 @@ from runtime.judge.skeleton import Skeleton
 from runtime.motion.motion import ArmMove, BaseMove
 from runtime.plan.node import Node
 from runtime.plan.read import read_plan
-from runtime.robot.load import built_in_robots, load_robot
+from runtime.robot.load import DEFAULT_ROBOT, load_robot
 from runtime.trace.kinematics import Tree, links_at, object_at
 from runtime.trace.load import load_trace
 from runtime.trace.read import read_trace, trace_of
@@ -50,7 +50,7 @@ def test_a_trace_passes_through_the_way_points_of_its_plan(trace, plan_file) -> 
 
 
 def test_the_base_keeps_its_limits_of_acceleration(trace) -> None:
-    robot = load_robot(built_in_robots()[0])
+    robot = load_robot(DEFAULT_ROBOT)
     times = np.arange(0.0, trace.duration, 0.002)
     speeds = trace.base.at(times)[1]
     gained = np.abs(np.diff(speeds, axis=0)).max(axis=0) / 0.002
@@ -59,7 +59,7 @@ def test_the_base_keeps_its_limits_of_acceleration(trace) -> None:
 
 
 def test_links_are_where_the_judge_of_plans_has_them(trace) -> None:
-    robot = load_robot(built_in_robots()[0])
+    robot = load_robot(DEFAULT_ROBOT)
     base, q = np.array([[0.3, -1.0, 2.0]]), robot.home[None] * 0.9
     expected = Skeleton(robot).transforms(base, q, 0.05)
     found = Tree(trace.robot).links(base[0], q[0], 0.05)

@@ -17,8 +17,9 @@ from runtime.world.solids import Floats
 DRAWN = 4000
 BEST = 12
 STEPS = 150
-MARGIN = 0.01
-"""Metres kept from the robot itself and the floor."""
+MARGINS = (0.01, 0.005, 0.0042)
+"""Metres kept from the robot itself and the floor: the largest that can be kept, the last being
+what a planner keeps."""
 
 ROOM = 0.02
 """Metres above the plane that a fixed robot stands on."""
@@ -27,13 +28,14 @@ ROOM = 0.02
 class _Judge:
     """What a posture costs: how far the arm sticks out, and how near joints are to limits."""
 
-    def __init__(self, robot: RobotModel) -> None:
+    def __init__(self, robot: RobotModel, margin: float) -> None:
         self.robot = robot
+        self.margin = margin
         self.body = robot.body(robot.gripper.min_opening)
         self.moving = np.flatnonzero(self.body.frame > 0)
         self._frames = np.empty((len(robot.joints) + 1, 3, 4))
         self._placed = np.empty((len(self.body.frame), 3, 4))
-        self.floor = MARGIN
+        self.floor = margin
         if robot.base.type == "fixed":
             self.floor = _mount_height(robot) + ROOM
         rows = [[0.0, 0.0, self.floor - 0.5, 10.0, 10.0, 0.5, 1.0, 0.0]]
@@ -65,7 +67,7 @@ class _Judge:
     def free(self, q: Floats) -> bool:
         """Whether the robot touches neither itself nor the floor."""
         hit: bool = arm.collides(
-            self.robot.chain, self.body, self.around, MARGIN, q, self._frames, self._placed
+            self.robot.chain, self.body, self.around, self.margin, q, self._frames, self._placed
         )
         return not hit
 
@@ -86,10 +88,20 @@ def propose_home(
 ) -> Floats | None:
     """A home posture (n,), or None where none is found free. The first of the wanted ones that
     is free is taken as it is."""
-    judge = _Judge(robot)
-    for q in wanted:
-        if judge.free(q):
-            return q
+    for margin in MARGINS:
+        judge = _Judge(robot, margin)
+        for q in wanted:
+            if judge.free(q):
+                return q
+        found = _search(judge, rng)
+        if found is not None:
+            return found
+    return None
+
+
+def _search(judge: _Judge, rng: np.random.Generator) -> Floats | None:
+    """The best of many random postures, made better step by step."""
+    robot = judge.robot
     inset = 0.05 * (robot.upper - robot.lower)
     lower, upper = robot.lower + inset, robot.upper - inset
     drawn = rng.uniform(lower, upper, (DRAWN, len(lower)))
