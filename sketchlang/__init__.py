@@ -20,6 +20,11 @@ __all__ = ["Plan", "Result", "__version__", "check", "load", "plan", "terminate"
 def __getattr__(name: str) -> Any:
     # `sketchlang.check` is a package as well: once that is imported, its name stands for it.
     if name in __all__:
+        from sketchlang.guard import in_the_way
+
+        trouble = in_the_way()
+        if trouble is not None:
+            raise ImportError(trouble)
         from sketchlang import api
 
         return getattr(api, name)

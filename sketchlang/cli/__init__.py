@@ -9,9 +9,11 @@ from collections.abc import Sequence
 from typing import Any
 
 import click
+from click.shell_completion import CompletionItem
 
 from sketchlang import __version__
-from sketchlang.cli.last import prepare_process, run_group
+from sketchlang.cli.last import USAGE, prepare_process, run_group, say_error
+from sketchlang.guard import in_the_way
 
 COMMANDS = {
     "check": "Parse a sketch, check its types and rules.",
@@ -54,6 +56,15 @@ class LazyGroup(click.Group):
         module = importlib.import_module(f"sketchlang.cli.{name}")
         command: click.Command = module.command
         return command
+
+    def shell_complete(self, ctx: click.Context, incomplete: str) -> list[CompletionItem]:
+        # click would import every command for its help.
+        found = [
+            CompletionItem(name, help=summary)
+            for name, summary in COMMANDS.items()
+            if name.startswith(incomplete)
+        ]
+        return [*found, *click.Command.shell_complete(self, ctx, incomplete)]
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]
@@ -100,4 +111,8 @@ def cli() -> None:
 def main() -> None:
     """Entry point of the `sketchlang` script."""
     prepare_process()
+    trouble = in_the_way()
+    if trouble is not None:
+        say_error(f"error: {trouble}")
+        sys.exit(USAGE)
     cli(prog_name="sketchlang")

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 
 import click
 
+from sketchlang.cli import names
 from sketchlang.cli.common import fail
 from sketchlang.cli.last import say_error
 from sketchlang.diagnostics import Diagnostic, Severity
@@ -21,7 +22,7 @@ FORMATS = ("full", "concise", "json", "github", "sarif")
 
 
 @click.command("check")
-@click.argument("files", nargs=-1, required=True, metavar="FILE...")
+@click.argument("files", nargs=-1, required=True, metavar="FILE...", shell_complete=names.sketches)
 @click.option("--domain", "domain_file", metavar="FILE.py", help="A Python file with a domain.")
 @click.option(
     "--format",
@@ -58,7 +59,7 @@ def command(files: tuple[str, ...], domain_file: str | None, format_: str, again
 def _look(files: tuple[str, ...], domain_file: str | None, format_: str) -> tuple[int, list[str]]:
     """Check files and print what was found: the exit status, and all files that were read."""
     found: list[Diagnostic] = []
-    names: list[str] = []
+    shown: list[str] = []
     paths = list(files)
     extra: dict[str, Domain] = {}
     domain: Domain | None = None
@@ -77,13 +78,13 @@ def _look(files: tuple[str, ...], domain_file: str | None, format_: str) -> tupl
             say_error(f"error: {error}")
             unreadable = True
             continue
-        names.append(loaded.source.name)
+        shown.append(loaded.source.name)
         found.extend(findings(loaded))
         paths.extend(_included(loaded.tree))
-    if names:
+    if shown:
         from sketchlang.render import console
 
-        console.write(rendered(found, names, format_))
+        console.write(rendered(found, shown, format_))
     errors = any(one.severity is Severity.ERROR for one in found)
     return 2 if unreadable else int(errors), paths
 
@@ -98,7 +99,7 @@ def _included(parsed: tree.Tree) -> Iterator[str]:
             yield os.path.join(os.path.dirname(parsed.source.name), item.target)
 
 
-def rendered(found: list[Diagnostic], names: list[str], format_: str) -> str:
+def rendered(found: list[Diagnostic], files: list[str], format_: str) -> str:
     """The findings in one of `FORMATS`."""
     match format_:
         case "concise":
@@ -120,4 +121,4 @@ def rendered(found: list[Diagnostic], names: list[str], format_: str) -> str:
         case _:
             from sketchlang.render import console
 
-            return console.render(found, names, console.wants_colour(sys.stdout))
+            return console.render(found, files, console.wants_colour(sys.stdout))

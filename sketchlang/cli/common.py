@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, NoReturn, ParamSpec, TypeVar
 import click
 
 from sketchlang import files, reading
+from sketchlang.cli import names
 from sketchlang.cli.last import INTERRUPTED
 from sketchlang.domain import Domain
 from sketchlang.errors import CollectedInputError, InputError
@@ -61,9 +62,21 @@ def trace_options(command: Callable[P, R]) -> Callable[P, R]:
         click.option(
             "--domain", "domain_file", metavar="FILE", help="The domain that the sketch needs."
         ),
-        click.option("--sketch", help="The sketch, where a plan does not name a built-in one."),
-        click.option("--robot", help="The robot, where a plan does not name a built-in one."),
-        click.option("--scene", help="The scene, where a plan does not name a built-in one."),
+        click.option(
+            "--sketch",
+            shell_complete=names.sketches,
+            help="The sketch, where a plan does not name a built-in one.",
+        ),
+        click.option(
+            "--robot",
+            shell_complete=names.robots,
+            help="The robot, where a plan does not name a built-in one.",
+        ),
+        click.option(
+            "--scene",
+            shell_complete=names.scenes,
+            help="The scene, where a plan does not name a built-in one.",
+        ),
         click.argument("file", type=click.Path(path_type=Path)),
     ):
         command = option(command)

@@ -6,13 +6,14 @@ import sys
 
 import click
 
+from sketchlang.cli import names
 from sketchlang.cli.common import domain_option, interruptible, load_valid
 from sketchlang.escape import dumps, shown_lines
 from sketchlang.findings import Places
 
 
 @click.command("coverage")
-@click.argument("file", metavar="FILE")
+@click.argument("file", metavar="FILE", shell_complete=names.sketches)
 @click.option("--overlaps", is_flag=True, help="List rules that apply together, too.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 @domain_option

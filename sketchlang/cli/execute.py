@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NoReturn
 
 import click
 
+from sketchlang.cli import names
 from sketchlang.cli.common import (
     check_outputs,
     fail,
@@ -34,11 +35,23 @@ Examples:
   sketchlang execute pick_and_place sorting/4t-07 --closed-loop --disturbance pushed --seed 3
 """
 )
-@click.argument("file")
-@click.argument("scene_argument", metavar="[SCENE]", required=False)
-@click.option("--scene", help="The scene, where a plan does not name a built-in one.")
-@click.option("--robot", help="The robot, where a plan does not name a built-in one.")
-@click.option("--sketch", help="The sketch, where a plan does not name a built-in one.")
+@click.argument("file", shell_complete=names.sketches)
+@click.argument("scene_argument", metavar="[SCENE]", required=False, shell_complete=names.scenes)
+@click.option(
+    "--scene",
+    shell_complete=names.scenes,
+    help="The scene, where a plan does not name a built-in one.",
+)
+@click.option(
+    "--robot",
+    shell_complete=names.robots,
+    help="The robot, where a plan does not name a built-in one.",
+)
+@click.option(
+    "--sketch",
+    shell_complete=names.sketches,
+    help="The sketch, where a plan does not name a built-in one.",
+)
 @click.option("--closed-loop", is_flag=True, help="FILE is a sketch: sense and plan as it goes.")
 @click.option(
     "--disturbance",

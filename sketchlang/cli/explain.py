@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import click
 
+from sketchlang.cli import names
 from sketchlang.cli.common import say
 from sketchlang.pages import Page, pages
 from sketchlang.suggest import did_you_mean
 
 
 @click.command("explain")
-@click.argument("code", required=False)
+@click.argument("code", required=False, shell_complete=names.codes)
 def command(code: str | None) -> None:
     """Print the page of a diagnostic: what it means, why it matters, what to do.
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from sketchlang.cli import names
 from sketchlang.cli.common import (
     check_outputs,
     domain_option,
@@ -18,7 +19,7 @@ SUFFIXES = {".svg": "svg", ".dot": "dot", ".gv": "dot", ".mmd": "mermaid", ".mer
 
 
 @click.command("graph")
-@click.argument("file", metavar="FILE")
+@click.argument("file", metavar="FILE", shell_complete=names.sketches)
 @click.option(
     "--view",
     type=click.Choice(["groups", "policy", "rules"]),

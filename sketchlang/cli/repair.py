@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from sketchlang import __version__
+from sketchlang.cli import names
 from sketchlang.cli.common import Number, domain_option, fail, interruptible, load_valid, say
 from sketchlang.errors import InputError
 from sketchlang.loader import Loaded, domains_of_file, load_text
@@ -40,7 +41,7 @@ class Offer:
 
 
 @click.command("repair")
-@click.argument("file", metavar="FILE")
+@click.argument("file", metavar="FILE", shell_complete=names.sketches)
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 @click.option(
     "--count", type=click.IntRange(1, 20), default=3, show_default=True, help="Proposals to make."

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from sketchlang.cli import names
 from sketchlang.cli.common import (
     Number,
     check_outputs,
@@ -33,8 +34,8 @@ Examples:
   sketchlang run childsnack task.pddl --out plan.txt
 """
 )
-@click.argument("sketch")
-@click.argument("scene")
+@click.argument("sketch", shell_complete=names.sketches)
+@click.argument("scene", shell_complete=names.scenes)
 @click.option("--planner", type=click.Choice(["lazy-siiw-r", "siw-r"]), help="Search algorithm.")
 @click.option(
     "--seed",
@@ -58,7 +59,11 @@ Examples:
     show_default=True,
     help="Largest width k of IW(k).",
 )
-@click.option("--robot", help="Name or robot file (.toml), where the domain has robots.")
+@click.option(
+    "--robot",
+    shell_complete=names.robots,
+    help="Name or robot file (.toml), where the domain has robots.",
+)
 @click.option("--out", type=click.Path(path_type=Path, dir_okay=False), help="Write the plan here.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else.")
 @domain_option

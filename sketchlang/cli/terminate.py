@@ -9,6 +9,7 @@ from pathlib import Path
 import click
 
 from sketchlang import __version__
+from sketchlang.cli import names
 from sketchlang.cli.common import (
     DEEP,
     Number,
@@ -23,7 +24,7 @@ from sketchlang.findings import Places
 
 
 @click.command("terminate")
-@click.argument("file", metavar="FILE")
+@click.argument("file", metavar="FILE", shell_complete=names.sketches)
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 @click.option(
     "--certificate",

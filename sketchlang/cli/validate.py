@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NoReturn
 
 import click
 
+from sketchlang.cli import names
 from sketchlang.cli.common import domain_pddl_option, fail, interruptible, say
 
 if TYPE_CHECKING:
@@ -25,8 +26,16 @@ Examples:
 """
 )
 @click.argument("plan", type=click.Path(path_type=Path))
-@click.option("--scene", help="The scene, where the plan does not name a built-in one.")
-@click.option("--robot", help="The robot, where the plan does not name a built-in one.")
+@click.option(
+    "--scene",
+    shell_complete=names.scenes,
+    help="The scene, where the plan does not name a built-in one.",
+)
+@click.option(
+    "--robot",
+    shell_complete=names.robots,
+    help="The robot, where the plan does not name a built-in one.",
+)
 @domain_pddl_option
 @click.option(
     "--sketch",

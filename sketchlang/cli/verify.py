@@ -6,6 +6,7 @@ import sys
 
 import click
 
+from sketchlang.cli import names
 from sketchlang.cli.common import DEEP, domain_option, fail, interruptible, load_valid, say
 from sketchlang.errors import InputError
 from sketchlang.escape import dumps
@@ -15,7 +16,7 @@ from sketchlang.reading import read_bytes
 
 @click.command("verify")
 @click.argument("certificate", metavar="CERTIFICATE")
-@click.argument("file", metavar="FILE")
+@click.argument("file", metavar="FILE", shell_complete=names.sketches)
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 @domain_option
 @interruptible

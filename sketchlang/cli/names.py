@@ -1,0 +1,54 @@
+"""What a shell proposes when the tab key is pressed: names of what comes along, beside files.
+
+docs/editors.md says how to switch it on. Only what is needed for that is imported: the answer has
+to be there at once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from pathlib import Path
+
+import click
+from click.shell_completion import CompletionItem
+
+Completer = Callable[[click.Context, click.Parameter, str], list[CompletionItem]]
+
+HOME = Path(__file__).resolve().parents[2]
+
+
+def _completer(names: Callable[[], Iterable[str]], files: bool = True) -> Completer:
+    def complete(_c: click.Context, _p: click.Parameter, begun: str) -> list[CompletionItem]:
+        found = [CompletionItem(name) for name in names() if name.startswith(begun)]
+        # The shell itself adds the files that begin like this.
+        return [*found, CompletionItem(begun, type="file")] if files else found
+
+    return complete
+
+
+def _sketches() -> Iterable[str]:
+    from sketchlang.loader import builtin_sketches
+
+    return builtin_sketches()
+
+
+def _scenes() -> Iterable[str]:
+    from sketchlang.library import built_in_scenes
+
+    return built_in_scenes()
+
+
+def _robots() -> Iterable[str]:
+    return sorted(path.parent.name for path in (HOME / "runtime" / "robot").glob("*/*.toml"))
+
+
+def _codes() -> Iterable[str]:
+    from sketchlang.pages import pages
+
+    return pages()
+
+
+sketches = _completer(_sketches)
+scenes = _completer(_scenes)
+robots = _completer(_robots)
+codes = _completer(_codes, files=False)
