@@ -84,12 +84,16 @@ def find_repairs(
     most: int = MOST_PROPOSALS,
     universe: Universe | None = None,
 ) -> Repair:
-    """Proposals for a sketch that does not terminate; none if it does, or if none was found."""
-    found = _Search(model, budget, universe or _everything(model)).run(most)
+    """Proposals for a sketch that does not terminate; none if it does, or if none was found.
+
+    Where the universe is given, changes may make rules useless, as long as some can be used.
+    """
+    useless = universe is not None
+    found = _Search(model, budget, universe or _everything(model), useless).run(most)
     if found.proposals or found.complete or universe is not None:
         return found
     # A way out after all, even if it is not the smallest: rules that are left out, and bounds.
-    rest = _Search(model, budget.extended(LAST_SECONDS), _way_out(model)).run(1)
+    rest = _Search(model, budget.extended(LAST_SECONDS), _way_out(model), True).run(1)
     return Repair(tuple(replace(one, smallest=False) for one in rest.proposals), False)
 
 
@@ -163,8 +167,11 @@ class _Node:
 
 
 class _Search:
-    def __init__(self, model: SketchModel, budget: Budget, universe: Universe) -> None:
+    def __init__(
+        self, model: SketchModel, budget: Budget, universe: Universe, useless: bool
+    ) -> None:
         self.model = model
+        self.useless = useless
         self.budget = budget
         self.universe = universe
         self.cycles: list[tuple[Move, ...]] = []
@@ -258,7 +265,10 @@ class _Search:
         """Whether changes do what leaving out a rule does, by another name."""
         if all(isinstance(change, LeaveOut | Bound) for change in changes):
             return False
-        return not self.used - removed(changes) <= usable_rules(changed(self.model, changes))
+        usable = usable_rules(changed(self.model, changes))
+        if self.useless:
+            return bool(self.used) and not usable
+        return not self.used - removed(changes) <= usable
 
 
 class _Masks:
