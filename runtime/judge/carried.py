@@ -8,8 +8,8 @@ from itertools import pairwise
 import numpy as np
 
 from runtime.judge.contacts import Exact, Track
-from runtime.judge.extents import homogeneous, lowest_of
-from runtime.judge.footing import REST, Poses, support_pose
+from runtime.judge.extents import homogeneous
+from runtime.judge.footing import Poses, footings
 from runtime.world.body import Body
 from runtime.world.poses import Floats
 from runtime.world.quaternions import between, matrix
@@ -17,6 +17,9 @@ from runtime.world.world import Guide, World
 
 TOUCH = 0.005
 """Metres from the gripper within which what it moves must stay."""
+
+SLIDES = 50
+"""Samples of a push in which it is looked at what the pushed thing slides on, at most."""
 
 STRAY = 0.002
 """Metres (and with it, 5 times as many radians) by which it may leave its guide."""
@@ -79,16 +82,9 @@ def _turned(moved: Floats, axis: Floats, origin: Floats) -> tuple[float, Floats]
 
 def slide_fault(world: World, poses: Poses, index: int, way: Floats) -> str | None:
     """Why a thing that is pushed cannot be at poses (N, 4, 4): it leaves what it slides on."""
-    thing = world.movables[index]
-    others = {i: pose for i, pose in poses.items() if i != index}
-    heights = [
-        float(place[2, 3])
-        for support in world.supports
-        if support.owner != thing.name
-        and (place := support_pose(world, support, others)) is not None
-    ]
-    bottoms = lowest_of(thing.body, way)
-    off = np.min(np.abs(np.array(heights)[:, None] - bottoms), axis=0, initial=math.inf)
-    if off.max() > REST:
-        return f"{thing.name} is moved along, but not on what it rests on"
+    count = min(len(way), SLIDES)
+    for sample in np.linspace(0, len(way) - 1, count).round().astype(int):
+        if not footings(world, {**poses, index: way[sample]}, index):
+            name = world.movables[index].name
+            return f"{name} is moved along, but not on what it could rest on"
     return None
