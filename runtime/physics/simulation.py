@@ -72,6 +72,7 @@ class Physics:
         self.squeezing = False
         self._constraint: int | None = None
         self._held_opening = 0.0
+        self._axes: dict[int, tuple[Any, Any]] = {}
         b = self.bullet
         b.setGravity(0, 0, -9.81)
         b.setTimeStep(STEP)
@@ -103,9 +104,11 @@ class Physics:
                 number: int = b.loadURDF(
                     str(path), useFixedBase=fixed, flags=b.URDF_USE_INERTIA_FROM_FILE
                 )
-        # It is asked for and set where the centre of mass is, which is not the body's origin.
-        centre = (matrix(place) @ [*body.centre, 1.0])[:3]
-        b.resetBasePositionAndOrientation(number, centre.tolist(), place[3:].tolist())
+        # Bullet speaks of the frame of the principal axes of inertia, not of the body's.
+        info = b.getDynamicsInfo(number, -1)
+        self._axes[number] = info[3], info[4]
+        where = b.multiplyTransforms(place[:3].tolist(), place[3:].tolist(), info[3], info[4])
+        b.resetBasePositionAndOrientation(number, *where)
         b.changeDynamics(number, -1, lateralFriction=self.materials.friction, restitution=0.0)
         return number
 
@@ -291,10 +294,10 @@ class Physics:
 
     def object_pose(self, index: int) -> Floats:
         """World pose (7,) of an object's frame."""
-        position, turn = self.bullet.getBasePositionAndOrientation(self.objects[index])
-        pose = np.array([*position, *turn])
-        pose[:3] -= matrix(pose)[:3, :3] @ np.array(self.world.movables[index].body.centre)
-        return pose
+        b, body = self.bullet, self.objects[index]
+        to_body = b.invertTransform(*self._axes[body])
+        position, turn = b.multiplyTransforms(*b.getBasePositionAndOrientation(body), *to_body)
+        return np.array([*position, *turn])
 
     def tool_matrix(self) -> Floats:
         """World pose (4, 4) of the tool frame."""

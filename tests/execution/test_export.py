@@ -61,7 +61,7 @@ def test_a_model_has_everything_by_name(trace) -> None:
     scene = trimesh.load_scene(io.BytesIO(glb(trace, 10.0)), file_type="glb")
     names = set(scene.geometry)
     assert {thing.name for thing in trace.world.movables} <= names
-    assert {support.owner for support in trace.world.supports} <= names
+    assert {thing.name for thing in trace.world.fixed} <= names
     first = trace.world.movables[0]
     pose = scene.graph.get(first.name)[0]
     assert pose[1, 3] == pytest.approx(0.767, abs=1e-3)  # y is up

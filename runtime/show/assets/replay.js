@@ -549,7 +549,7 @@
   window.replay = {
     seek, play, speed: (factor) => { speed = factor; $("speed").value = factor; },
     get time() { return now; }, get playing() { return playing; }, get frames() { return frames; },
-    get fresh() { return !stale; }, draw: () => show(now),
+    get fresh() { return !stale; }, draw: () => show(now), world, nodes: objects,
     get state() {
       return { rule: trace.subgoals[lit] ? trace.subgoals[lit].rule : null, subgoal: lit,
         lit: [...document.querySelectorAll("#source .lit")].map((node) => node.textContent),

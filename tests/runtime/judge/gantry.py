@@ -104,6 +104,10 @@ def cube(name: str, x: float, y: float, z: float = TOP + AIR) -> Movable:
     return thing(name, (CUBE, CUBE, CUBE), x, y, z)
 
 
+def _is_box(movable: Movable) -> bool:
+    return isinstance(movable.body.parts[0].solid, Box)
+
+
 def top_of(movable: Movable) -> Support:
     """The top of a box as a support."""
     solid = movable.body.parts[0].solid
@@ -125,7 +129,7 @@ def table_world(
         robot_start=(0.0, 0.0, 0.0),
         fixed=(table, *fixed),
         movables=movables,
-        supports=(region, *map(top_of, movables)),
+        supports=(region, *(top_of(m) for m in movables if len(m.body.parts) == 1 and _is_box(m))),
         goals=tuple(goals),
     )
 
