@@ -79,7 +79,8 @@ def _ordered() -> list[tuple[str, str]]:
         if terminal.name in _LEFT_OUT:
             continue
         pattern = terminal.pattern.to_regexp()
-        word = pattern.isalpha() or r"\b" in pattern
+        # What Lark tries first comes first: `!=` before `!`.
+        word = pattern.isalpha() or r"\b" in pattern or terminal.priority > 0
         rank = 0 if terminal.name in ("COMMENT", "STRING") else 1 if word else 2
         if terminal.name == "NAME":
             rank = 3

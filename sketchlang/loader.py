@@ -122,7 +122,8 @@ def load_source(target: str) -> Source:
     if target == "-":
         return Source("<stdin>", decoded(read_standard_input(MAX_BYTES), "<stdin>"))
     path = Path(target)
-    if not os.path.exists(path):  # Path.exists raises where a name is too long
+    # Path.exists raises where a name is too long. A folder of tasks may bear a sketch's name.
+    if not os.path.exists(path) or os.path.isdir(path):
         builtin = builtin_sketch(target)
         if builtin is not None:
             return _read(builtin, builtin.relative_to(_HERE.parent).as_posix())

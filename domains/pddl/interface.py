@@ -27,7 +27,10 @@ from sketchlang.domain import Domain, Function
 from sketchlang.errors import InputError
 from sketchlang.source import Span
 from sketchlang.syntax.grammar import words
-from sketchlang.types import BOOL, Type
+from sketchlang.types import BOOL, NAT, Type
+
+OPEN_GOALS = "open_goals"
+"""The function that every PDDL domain has, unless a name of its own takes its place."""
 
 
 class Thing(NamedTuple):
@@ -94,6 +97,10 @@ class _Maker:
         for constant in self.pddl.constants:
             self._constant(constant)
         domain = self.domain
+        if OPEN_GOALS not in domain.functions:
+            function = Function(OPEN_GOALS, _open_goals, (), NAT)
+            domain.add(function)
+            domain.meanings[function] = Meaning("goals", "")
         domain.pddl = self.pddl
         domain.members = lambda state, sort: members(domain, state, domain.types[sort])
         domain.default_atoms = _facts
@@ -245,6 +252,11 @@ def _family(name: str) -> Callable[[Any], Iterable[Hashable]]:
         return iter(()) if box is None else bits_of(state.bits & box.mask)
 
     return atoms
+
+
+def _open_goals(state: State) -> int:
+    """How many parts of the task's goal do not hold; where there are cases, of the nearest."""
+    return state.task.open_goals(state.bits)
 
 
 def _facts(state: State) -> Iterator[Hashable]:

@@ -18,15 +18,20 @@ Examples:
   sketchlang bench paper --seeds 10
   sketchlang bench paper --planner siw-r --scene sorting/4t-07 --seeds 3
   sketchlang bench scaling --jobs 1
+  sketchlang bench ipc --tasks FOLDER
 Run the same command again after an interruption: finished runs are not repeated.
 """
 )
-@click.argument("suite", type=click.Choice(["paper", "scaling"]))
+@click.argument("suite", type=click.Choice(["paper", "scaling", "ipc"]))
 @click.option(
     "--seeds", type=click.IntRange(1, 10_000), help="Runs of each; 10, and 3 for scaling."
 )
 @click.option("--planner", "planners", multiple=True, help="Only these planners.")
 @click.option("--scene", "scenes", multiple=True, help="Only these scenes.")
+@click.option(
+    "--tasks", type=click.Path(path_type=Path), help="ipc: a folder with folders of PDDL tasks."
+)
+@click.option("--sketch", help="ipc: this one for all tasks; else the built-in one of the domain.")
 @click.option("--jobs", type=click.IntRange(1, 256), help="Processes; as many as there are cores.")
 @click.option(
     "--timeout",
@@ -46,6 +51,8 @@ def command(
     seeds: int | None,
     planners: tuple[str, ...],
     scenes: tuple[str, ...],
+    tasks: Path | None,
+    sketch: str | None,
     jobs: int | None,
     timeout: float,
     out: Path | None,
@@ -53,7 +60,8 @@ def command(
     """Run the benchmark SUITE in parallel processes, one core a run.
 
     `paper`: the eight scenes of the paper with both planners. `scaling`: generated sorting
-    scenes with 10 to 200 objects.
+    scenes with 10 to 200 objects. `ipc`: the PDDL tasks of a folder, each with its `domain.pddl`
+    beside it; `--sketch siw` and `--sketch iw` know nothing of a domain.
 
     Exit 0: every run has a result. 1: some have none. 2: bad input.
     """
@@ -66,11 +74,22 @@ def command(
     from sketchlang.errors import InputError
 
     path = out or Path(f"bench-{suite}.jsonl")
+    if (suite == "ipc") != (tasks is not None):
+        fail("--tasks FOLDER names the tasks of the suite ipc, and belongs to no other")
+    if suite != "ipc" and sketch is not None:
+        fail("--sketch belongs to the suite ipc")
     picture = path.with_suffix(".svg") if suite == "scaling" else None
     try:
         if picture is not None:
             _refuse_other_pictures(path, picture)
-        wanted = jobs_of(suite, seeds, planners, scenes, timeout, path, sorting_scene)
+        work = None
+        if tasks is not None:
+            from domains.pddl import bench as ipc
+
+            work = ipc.run_job
+            wanted = ipc.jobs_of(tasks, sketch, (planners or ("siw-r",))[0], timeout)
+        else:
+            wanted = jobs_of(suite, seeds, planners, scenes, timeout, path, sorting_scene)
         with store.opened(path, lambda: say(f"waiting: {path} is in use", err=True)) as results:
             todo = sum(job not in results.results for job in wanted)
             if todo < len(wanted):
@@ -78,9 +97,8 @@ def command(
             with click.progressbar(
                 length=todo, label="runs", show_eta=True, file=sys.stderr
             ) as progress:
-                lost = run_all(
-                    wanted, results, jobs or os.cpu_count() or 1, lambda _: progress.update(1)
-                )
+                processes = jobs or os.cpu_count() or 1
+                lost = run_all(wanted, results, processes, lambda _: progress.update(1), work)
         chosen = [results.results[job] for job in wanted if job in results.results]
         _show(suite, chosen)
         if picture is not None:
@@ -104,6 +122,11 @@ def _show(suite: str, results: list[dict[str, Any]]) -> None:
     """Print the tables."""
     from runtime.bench import tables
 
+    if suite == "ipc":
+        from domains.pddl import bench as ipc
+
+        say(*ipc.table(results))
+        return
     first = tables.scaling_table if suite == "scaling" else tables.main_table
     parts = [first(results), tables.profile_table(results), tables.share_table(results)]
     for number, part in enumerate(part for part in [*parts, tables.ratio_lines(results)] if part):

@@ -130,11 +130,8 @@ def expression(  # noqa: PLR0912 (a case for every kind of expression)
             # `{ (x in A) }` would be read as `x` of `A` without the parentheses.
             return f"{{ {', '.join(expression(element, _ADD) for element in elements)} }}"
         case tree.Comprehension(binders, condition):
-            bound = ", ".join(
-                f"{b.variable.text} in {expression(b.domain, _UNION, False)}" for b in binders
-            )
             where = f" where {expression(condition)}" if condition is not None else ""
-            return f"{{ {bound}{where} }}"
+            return f"{{ {_bound(binders)}{where} }}"
     if _needs_parentheses(expr, level, last):
         return f"({expression(expr)})"
     match expr:
@@ -150,6 +147,11 @@ def expression(  # noqa: PLR0912 (a case for every kind of expression)
             texts = expression(condition), expression(first), expression(second, _IMPLIES, last)
             return "if {} then {} else {}".format(*texts)
     raise AssertionError(expr)
+
+
+def _bound(binders: tuple[tree.Binder, ...]) -> str:
+    """`x in A, y in B`"""
+    return ", ".join(f"{b.variable.text} in {expression(b.domain, _UNION, False)}" for b in binders)
 
 
 def _needs_parentheses(expr: tree.Expr, level: int, last: bool) -> bool:
@@ -209,6 +211,9 @@ def _broken(expr: tree.Expr, indent: int, start: str) -> list[str]:
         case tree.Quantifier():
             inner = " " * (indent + INDENT)
             return [margin + _header(expr), *(inner + part for part in _tail(expr, True))]
+        case tree.Comprehension(binders, tree.Operation() | tree.Quantifier() as condition):
+            head = f"{margin}{{ {_bound(binders)} where"
+            return [head, *_broken(condition, indent + INDENT, ""), " " * indent + "}"]
         case tree.Operation() if len(expr.operands) > 1:
             parts = _operands(expr, True)
             below = " " * indent

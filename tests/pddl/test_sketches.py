@@ -15,7 +15,17 @@ from sketchlang.compile import compile_sketch
 from sketchlang.loader import load_sketch
 from tests.pddl.small_tasks import TASKS
 
-WIDTH_ONE = {"childsnack", "gripper", "miconic", "spanner", "tpp", "grid", "visitall", "schedule"}
+WIDTH_ONE = {
+    "childsnack",
+    "logistics",
+    "gripper",
+    "miconic",
+    "spanner",
+    "tpp",
+    "grid",
+    "visitall",
+    "schedule",
+}
 """Those whose subproblems IW(1) solves in every task that was tried."""
 
 

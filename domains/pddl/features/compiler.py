@@ -49,8 +49,8 @@ _WORTH_KEEPING = (
 
 @dataclass(frozen=True)
 class Meaning:
-    """What a function of a PDDL domain is: `kind` is `predicate`, `type` or `constant`, `name` its
-    name in PDDL; `goal` tells that it speaks of the goal."""
+    """What a function of a PDDL domain is: `kind` is `predicate`, `type`, `constant` or
+    `goals` (how many are open), `name` its name in PDDL; `goal`: it speaks of the goal."""
 
     kind: str
     name: str
@@ -102,8 +102,12 @@ class Compiler:
                 assert isinstance(node.value, int)
                 found |= self.feature_masks[node.value]
             function = _function(node)
-            if function is not None and self.meanings[function].kind == "predicate":
-                found |= self.source(self.meanings[function]).mask
+            if function is not None:
+                meaning = self.meanings[function]
+                if meaning.kind == "predicate":
+                    found |= self.source(meaning).mask
+                elif meaning.kind == "goals":
+                    found |= self.task.goal_mask
             self.masks[node] = found
         return found
 
@@ -155,10 +159,15 @@ class Compiler:
             if meaning.kind == "type":
                 members = self.task.types[meaning.name]
                 return lambda frame: members
+            if meaning.kind == "goals":
+                count = self.task.open_goals
+                return lambda frame: count(frame[0])
             if meaning.kind == "constant":
                 number = self.task.number(meaning.name)
                 return lambda frame: number
-            pattern = value[1] if kind == "image" else (ONE,) * len(node.parts)  # type: ignore[index]
+            pattern: tuple[str, ...] = (ONE,) * len(node.parts)
+            if kind == "image":
+                pattern = value[1]  # type: ignore[index]
             return self.image(self.source(meaning), pattern, [self.run(p) for p in node.parts])
         if kind in BINDERS:
             return quantifiers.compiled(self, node)

@@ -80,6 +80,16 @@ class GroundTask:
         """The number of an object."""
         return self.objects.index(name)
 
+    def open_goals(self, bits: int) -> int:
+        """How many parts of the goal do not hold, in the case of which fewest do not."""
+        return min(
+            (
+                (case.true & ~bits).bit_count() + (case.false & bits).bit_count()
+                for case in self.goal
+            ),
+            default=1,
+        )
+
     @cached_property
     def goal_mask(self) -> int:
         """The bits that the goal looks at."""

@@ -1,0 +1,60 @@
+"""docs/tutorial-pddl.md does what it says."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from benchmarks import logistics_tasks
+from domains.pddl import bench
+from sketchlang.cli import cli
+
+PAGE = Path(__file__).parents[2] / "docs" / "tutorial-pddl.md"
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The tutorial's files, in the current folder."""
+    monkeypatch.chdir(tmp_path)
+    logistics_tasks.main(Path("tasks"))
+    for name, text in re.findall(r"```sketch (\S+)\n(.*?)```", PAGE.read_text(), re.DOTALL):
+        Path(name).write_text(text)
+    return tmp_path
+
+
+def commands() -> list[list[str]]:
+    """The commands of the page, in order."""
+    lines = re.findall(r"^    sketchlang (.*)$", PAGE.read_text(), re.MULTILINE)
+    return [line.split() for line in lines]
+
+
+def test_every_command_succeeds(folder: Path) -> None:
+    found = commands()
+    assert [words[0] for words in found].count("check") == 2
+    for words in found:
+        if words[0] != "bench":
+            result = CliRunner().invoke(cli, words)
+            assert result.exit_code == 0, (words, result.output)
+            assert "warning" not in result.output
+
+
+@pytest.mark.slow
+def test_the_twenty_tasks_are_solved(folder: Path) -> None:
+    (words,) = [words for words in commands() if words[0] == "bench"]
+    result = CliRunner().invoke(cli, [*words, "--jobs", "2"])
+    assert result.exit_code == 0, result.output
+    assert "| 20/20 | 20/20 |" in result.output
+    runs = [json.loads(line) for line in Path("bench-ipc.jsonl").read_text().splitlines()]
+    assert {run["sketch"] for run in runs} == {"stages"}
+
+
+def test_a_sketch_is_found_for_a_folder(tmp_path: Path) -> None:
+    for name in ("barman-sat11-strips", "somewhere"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "domain.pddl").write_text("(define (domain child-snack))")
+    assert bench.sketch_for(tmp_path / "barman-sat11-strips" / "p1.pddl") == "barman"
+    assert bench.sketch_for(tmp_path / "somewhere" / "p1.pddl") == "childsnack"
