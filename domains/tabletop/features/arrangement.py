@@ -259,10 +259,10 @@ class Arrangement:
             empty = np.zeros((len(goal.xyz), 0), dtype=np.int64)
             known = Places(goal, hold, world.own(index), empty, empty, reachable)
             barred = _place_barred(world, known, family, self.boxes)
-            if goal.frame is not None:
+            if goal.frame is not None:  # what it is to stand on is not in the way of it
                 owner = world.grounds[goal.support].owner
                 assert owner is not None
-                barred[:, owner] = swept.ALL if owner in self.unplaced() else 0
+                barred[:, owner] = 0
             counts = swept.bar_counts(barred, self.present, reachable)
             known = Places(goal, hold, known.own, barred, counts, reachable)
             self.places[key] = known
@@ -284,6 +284,26 @@ class Arrangement:
                 found.add(index)
         return frozenset(found)
 
+    def waits(self, goal: GoalSites) -> bool:
+        """Whether a goal is on something that is still to be moved itself, or in the hand: that
+        counts as disturbed by whatever is put there, and is in nobody's way."""
+        owner = self.world.grounds[goal.support].owner
+        if owner is None:
+            return False
+        return not self.present[owner] or bool(self.standing_on(owner) & self.unplaced())
+
+    def standing_on(self, index: int) -> frozenset[int]:
+        """An object, and those that it stands on."""
+        found = {index}
+        placement = self.placements[index]
+        while placement is not None:
+            owner = self.world.grounds[placement.support].owner
+            if owner is None or owner in found:
+                break
+            found.add(owner)
+            placement = self.placements[owner]
+        return frozenset(found)
+
     # -- alpha ----------------------------------------------------------------------------------
 
     def obstructions(self, index: int, goal: GoalSites, grasp: Grasp | None = None) -> int:
@@ -300,7 +320,19 @@ class Arrangement:
     ) -> int:
         """The same, with one more object thought to be there."""
         families = self.world.families if grasp is None else (grasp.family,)
+        if self.waits(goal):
+            return self._of_picking(index, families, extra) if self.present[index] else 0
         return min(self._of_family(f, index, goal, grasp, extra) for f in families)
+
+    def _of_picking(self, index: int, families: Sequence[int], extra: Thought | None) -> int:
+        """Fewest objects in the way of picking an object up."""
+        fewest = 2 * swept.UNREACHABLE
+        none = np.zeros(1, dtype=np.int64)
+        for family in families:
+            plus = none if extra is None else self._pick_barred(family, index, extra.box)
+            counts = self.picks[family].counts[index : index + 1]
+            fewest = min(fewest, int(swept.residue_minima(counts, none, plus, 1).min()))
+        return fewest
 
     def _of_family(
         self, family: int, index: int, goal: GoalSites, grasp: Grasp | None, extra: Thought | None
@@ -397,12 +429,13 @@ class Arrangement:
         if at is None:
             return 0
         extra = Thought(index, world.box_row(index, at))
-        below = world.grounds[placement.support].owner
+        owner = world.grounds[placement.support].owner
+        below = frozenset() if owner is None else self.standing_on(owner)
         count = 0
         for other in misplaced:
             if other == index or not self.present[other]:
                 continue
-            if other == below:
+            if other in below:
                 count += 1
                 continue
             goal = world.goal_sites(other, self)

@@ -65,7 +65,9 @@ def misplaced(state: State) -> frozenset[int]:
         found = set(here.unplaced())
         if state.held is not None:
             goal = state.world.goal_sites(state.held, here)
-            if goal is not None and here.obstructions(state.held, goal, state.grasp) > 0:
+            if goal is not None and (
+                here.waits(goal) or here.obstructions(state.held, goal, state.grasp) > 0
+            ):
                 found.add(state.held)
         known = here.misplaced[state.grasp] = frozenset(found)
     return known
@@ -104,6 +106,10 @@ def disturbances(state: State, index: int) -> int:
         return 0
     others = misplaced(state)
     without = _without(state, index)
+    owner = state.world.grounds[goal.support].owner
+    if owner is not None and not here.present[owner]:
+        # What it is to stand on is in the hand: on its way to its goal, or not.
+        return int(owner in others)
     fewest = len(others)
     for placement in goal_placements(state, index) or goal.placements:
         fewest = min(fewest, without.disturbed_by(index, placement, others))
