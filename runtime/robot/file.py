@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from runtime.robot.model import ArmWorkspace, MobileBase, Strip
+from runtime.robot.model import MobileBase
 from runtime.robot.urdf import Urdf, read_urdf
 from runtime.tables import Table, read_toml
 from runtime.world.poses import Pose, rotation_from_rpy
@@ -60,8 +60,6 @@ class RobotFile:
     gripper: GripperFile | None
     base: MobileBase | None
     digest: str
-    workspace: ArmWorkspace | None = None
-    strip: Strip | None = None
 
 
 def read_robot_file(path: Path) -> RobotFile:
@@ -106,8 +104,6 @@ def read_robot_file(path: Path) -> RobotFile:
         gripper=_gripper(table.table("gripper")) if table.has("gripper") else None,
         base=mobile,
         digest=_digest(sources, urdf),
-        workspace=_workspace(table),
-        strip=_strip(table),
     )
     table.finish()
     return file
@@ -237,29 +233,4 @@ def _base(table: Table) -> MobileBase:
         table.positive("angular_velocity"),
         table.positive("angular_acceleration"),
         kind,
-    )
-
-
-def _workspace(table: Table) -> ArmWorkspace | None:
-    if not table.has("workspace"):
-        return None
-    workspace = table.table("workspace")
-    centre = workspace.numbers("centre", 2)
-    inner, outer = workspace.number("inner"), workspace.positive("outer")
-    if not 0 <= inner < outer:
-        raise workspace.error("inner", "the annulus needs 0 <= inner < outer")
-    offset = workspace.number("wrist_offset")
-    return ArmWorkspace((centre[0], centre[1]), offset, inner, outer)
-
-
-def _strip(table: Table) -> Strip | None:
-    if not table.has("strip"):
-        return None
-    strip = table.table("strip")
-    return Strip(
-        strip.positive("finger_back"),
-        strip.positive("finger_tip"),
-        strip.positive("finger_width"),
-        strip.positive("arm_length"),
-        strip.positive("arm_half_width"),
     )

@@ -91,8 +91,6 @@ def build_robot(file: RobotFile) -> RobotModel:
         urdf=urdf,
         urdf_tool=file.tool_link,
         digest=file.digest,
-        given_workspace=file.workspace,
-        given_strip=file.strip,
     )
 
 

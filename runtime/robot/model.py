@@ -46,12 +46,6 @@ class Body(NamedTuple):
     shapes: Shapes
 
 
-USUAL_HEIGHT = 0.8
-"""Metres of a grasp above the floor, on a usual table."""
-
-PLAY = 0.003
-"""Metres kept beside a finger."""
-
 HELD_EXTENT = 0.3
 """Metres from the tool frame to the farthest corner of a held object, at most."""
 
@@ -77,32 +71,6 @@ class MobileBase:
     angular_velocity: float
     angular_acceleration: float
     type: str = "differential"
-
-
-@dataclass(frozen=True)
-class ArmWorkspace:
-    """The annulus of InArmWorkspace (paper, Executability) around the shoulder axis, in the
-    base frame. It bounds the wrist, `wrist_offset` behind the grasp centre. Metres."""
-
-    centre: tuple[float, float]
-    wrist_offset: float
-    inner: float
-    outer: float
-
-
-@dataclass(frozen=True)
-class Strip:
-    """What a horizontal approach sweeps in the plane, from the grasp centre: metres.
-
-    Fingers from `finger_back` behind to `finger_tip` in front, `finger_width` wide on each
-    side of the object; behind them palm, wrist and forearm to `arm_length`.
-    """
-
-    finger_back: float
-    finger_tip: float
-    finger_width: float
-    arm_length: float
-    arm_half_width: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,8 +103,6 @@ class RobotModel:
     urdf: Urdf
     urdf_tool: str
     digest: str
-    given_workspace: ArmWorkspace | None = None
-    given_strip: Strip | None = None
 
     @cached_property
     def derived(self) -> Derived:
@@ -159,34 +125,6 @@ class RobotModel:
     def centre(self) -> tuple[float, float]:
         """The shoulder's axis in the base frame, x and y."""
         return self.derived.centre
-
-    @cached_property
-    def strip(self) -> Strip:
-        """What an approach from the side sweeps in the plane: as the robot file says, or as it
-        is derived."""
-        if self.given_strip is not None:
-            return self.given_strip
-        side = self.approach(Family.SIDE)
-        boxes = side.hand_and_arm
-        return Strip(
-            finger_back=max(0.0, -float(side.hand[:, 1].max(initial=-1.0))),
-            finger_tip=float(side.fingers[:, 1].max()),
-            finger_width=self.gripper.clearance + float(side.fingers[:, 3].max()) + PLAY,
-            arm_length=-float(boxes[:, 0].min()),
-            arm_half_width=float(np.abs(boxes[:, 2:4]).max()),
-        )
-
-    @cached_property
-    def annulus(self) -> ArmWorkspace:
-        """Where the wrist may be for an approach from the side: as the robot file says, or as
-        it is derived for a usual table."""
-        if self.given_workspace is not None:
-            return self.given_workspace
-        inner, outer, offset = self.workspace(Family.SIDE, USUAL_HEIGHT)
-        if outer <= inner:
-            reaches = self.derived.workspaces[Family.SIDE].reaches or (0.0, 0.0)
-            inner, outer, offset = self.workspace(Family.SIDE, sum(reaches) / 2)
-        return ArmWorkspace(self.centre, offset, inner, outer)
 
     def body(self, opening: float, held: Box | Sequence[Part] | None = None) -> Body:
         """The robot's parts with the fingers `opening` metres apart, holding something or not.

@@ -54,19 +54,6 @@ velocity = 0.8
 acceleration = 0.6
 angular_velocity = 1.2
 angular_acceleration = 1.5
-
-[workspace]
-centre = [0.0, 0.0]
-wrist_offset = 0.05
-inner = 0.3
-outer = 0.5
-
-[strip]
-finger_back = 0.04
-finger_tip = 0.01
-finger_width = 0.01
-arm_length = 0.4
-arm_half_width = 0.05
 """
 
 

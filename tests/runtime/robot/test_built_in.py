@@ -60,8 +60,8 @@ def test_nothing_is_found_in_built_in_robots(name) -> None:
 @pytest.mark.parametrize("family", [Family.SIDE, Family.TOP])
 @pytest.mark.parametrize("name", MOBILE)
 def test_mobile_robots_reach_things_on_tables(name, family, top, rng) -> None:
-    """10 cm behind the edge of a table, solid to the floor, from where the base can turn: close to it
-    or some way back."""
+    """10 cm behind the edge of a table, solid to the floor, from places where the base can turn,
+    close to it or some way back."""
     robot = load_robot(name)
     half = (0.4, 0.8, top / 2)
     rows = np.array([[0.0, 0.0, top / 2, *half, 1.0, 0.0]])

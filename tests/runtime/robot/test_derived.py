@@ -96,20 +96,23 @@ def within(cloud, box) -> bool:
     return bool((cloud >= low - 1e-6).all() and (cloud <= high + 1e-6).all())
 
 
-def test_tiago_is_as_it_was_measured(robot) -> None:
-    """The strip and annulus that were measured by hand, in its robot file, are found again."""
-    assert robot.given_strip is not None
+def test_tiago_is_as_it_was_measured() -> None:
+    """What had been measured by hand, by trying which sticks bar the way of an arm at a table, is
+    found again: palm and tips from the grasp centre, how far back and how wide the arm is where
+    things stand, and the annulus of the wrist (but for its inner radius: no table kept the base
+    away here)."""
+    robot = load_robot("tiago")
     side = robot.approach(Family.SIDE)
-    assert -side.hand[:, 1].max() == pytest.approx(robot.given_strip.finger_back, abs=1e-3)
-    assert side.fingers[:, 1].max() == pytest.approx(robot.given_strip.finger_tip, abs=1e-3)
+    assert -side.hand[:, 1].max() == pytest.approx(0.063, abs=1e-3)
+    assert side.fingers[:, 1].max() == pytest.approx(0.022, abs=1e-3)
     boxes = side.hand_and_arm
-    assert -boxes[:, 0].min() == pytest.approx(robot.given_strip.arm_length, abs=0.05)
-    assert np.abs(boxes[:, 2:4]).max() == pytest.approx(robot.given_strip.arm_half_width, abs=0.02)
+    assert -boxes[:, 0].min() == pytest.approx(0.40, abs=0.05)
+    assert np.abs(boxes[:, 2:4]).max() == pytest.approx(0.074, abs=0.02)
     inner, outer, offset = robot.workspace(Family.SIDE, 0.8)
-    assert robot.centre == pytest.approx(robot.given_workspace.centre, abs=1e-3)
-    assert offset == pytest.approx(robot.given_workspace.wrist_offset, abs=1e-3)
-    assert outer == pytest.approx(robot.given_workspace.outer, abs=0.06)
-    assert inner <= robot.given_workspace.inner  # no table stood in front of the base
+    assert robot.centre == pytest.approx((0.093, 0.014), abs=1e-3)
+    assert offset == pytest.approx(0.2, abs=1e-3)
+    assert outer == pytest.approx(0.72, abs=0.06)
+    assert inner <= 0.35
 
 
 def test_wrist_and_shoulder_are_where_the_axes_are(tmp_path) -> None:

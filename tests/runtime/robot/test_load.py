@@ -126,7 +126,6 @@ MISTAKES = {
     ),
     "no acceleration": (TOML.replace("[0.1, 2.0]", "[0.1, 0.0]"), URDF, "acceleration", "positive"),
     "no speed": (TOML.replace("velocity = 0.8", "velocity = 0.0"), URDF, "velocity", "positive"),
-    "workspace inside out": (TOML.replace("inner = 0.3", "inner = 0.6"), URDF, "inner", "outer"),
     "missing urdf": (TOML.replace("crane.urdf", "crone.urdf"), URDF, "crone.urdf", "no such file"),
     "urdf is not xml": (TOML, "<robot", "crane.urdf", "XML"),
     "urdf with a cone": (TOML, CONE, "mast", "cone"),
