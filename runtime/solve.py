@@ -20,7 +20,7 @@ from runtime.search.problem import SearchProblem
 from runtime.search.siw_r import Outcome, Progress
 from sketchlang.check.checker import CheckedSketch
 from sketchlang.compile import CompiledSketch, compile_sketch, obstacles
-from sketchlang.domain import LoadOptions, SceneError
+from sketchlang.domain import LoadOptions, SceneError, position_of
 from sketchlang.errors import InputError
 from sketchlang.library import find_scene
 
@@ -128,7 +128,8 @@ def _loaded(domain: Any, path: Path, options: LoadOptions) -> Any:
         raise
     except Exception as error:
         raise InputError(
-            f"the scene loader of domain {domain.name} fails: {type(error).__name__}: {error}",
+            f"the scene loader of domain {domain.name} ({position_of(domain.load)}) fails: "
+            f"{type(error).__name__}: {error}",
             place=str(path),
         ) from error
 

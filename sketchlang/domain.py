@@ -97,8 +97,7 @@ class Function:
     @property
     def position(self) -> str:
         """`file:line` of its definition, or its name where that is not to be had."""
-        code = getattr(inspect.unwrap(self.call), "__code__", None)
-        return f"{_shown(code.co_filename)}:{code.co_firstlineno}" if code else self.name
+        return position_of(self.call, self.name)
 
     def place(self) -> Label | None:
         """Where it is declared, or None where the source is not to be had."""
@@ -354,6 +353,20 @@ def _membership(relation: Callable[[Any], Collection[tuple[Any, ...]]]) -> Calla
         return (first, second) in relation(state)
 
     return holds
+
+
+def position_of(code: Any, otherwise: str = "") -> str:
+    """`file:line` of a function, a method or a class; its name, or what is said otherwise, where
+    that is not to be had."""
+    name = otherwise or getattr(code, "__name__", str(code))
+    inner = getattr(inspect.unwrap(code), "__code__", None) if callable(code) else None
+    if inner is not None:
+        return f"{_shown(inner.co_filename)}:{inner.co_firstlineno}"
+    try:
+        file, (_, line) = inspect.getsourcefile(code), inspect.getsourcelines(code)
+    except (TypeError, OSError):
+        return name
+    return f"{_shown(file)}:{line}" if file else name
 
 
 def _shown(path: str) -> str:

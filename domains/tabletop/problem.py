@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from domains.tabletop.actions.actions import Action, ActionSchema
+from domains.tabletop.actions.added import Added
 from domains.tabletop.actions.executability import Executor
 from domains.tabletop.reporting import TabletopReporting
 from domains.tabletop.sampling.samples import Sampler, Samples
@@ -78,5 +79,5 @@ def load_problem(path: str, options: LoadOptions) -> TabletopProblem:
     """
     scene = load_scene(Path(path), options.name or Path(path).stem)
     robot = load_robot(options.robot or DEFAULT_ROBOT)
-    schemas = [schema() for schema in options.actions.values()]
+    schemas = [Added.of(schema) for schema in options.actions.values()]
     return TabletopProblem(TabletopWorld.of(scene, robot), options.seed, schemas)

@@ -10,7 +10,7 @@ class EvaluationError(Exception):
 
     `feature` is the feature being computed (None while invariants are checked), `expression`
     the part of its definition that failed, `function` the domain function called there (None
-    if it was none), `state` the state, and `reason` what went wrong.
+    if it was none), `position` its file and line, `state` the state, and `reason` what went wrong.
     """
 
     def __init__(
@@ -21,17 +21,20 @@ class EvaluationError(Exception):
         state: object,
         feature: str | None = None,
         function: str | None = None,
+        position: str | None = None,
     ) -> None:
         self.reason = reason
         self.expression = expression
         self.state = state
         self.feature = feature
         self.function = function
+        self.position = position
         super().__init__(str(self))
 
     def __str__(self) -> str:
         where = f"feature {self.feature}: " if self.feature else ""
-        function = f"\n  function: {self.function}" if self.function else ""
+        at = f" ({self.position})" if self.position else ""
+        function = f"\n  function: {self.function}{at}" if self.function else ""
         return (
             f"{where}{self.reason}\n  expression: {self.expression}{function}"
             f"\n  state: {shown(self.state)}"
@@ -41,8 +44,15 @@ class EvaluationError(Exception):
 class BrokenPromiseError(Exception):
     """The same while it is not known which feature is being computed."""
 
-    def __init__(self, reason: str, expression: str, function: str | None = None) -> None:
+    def __init__(
+        self,
+        reason: str,
+        expression: str,
+        function: str | None = None,
+        position: str | None = None,
+    ) -> None:
         super().__init__(reason)
+        self.position = position
         self.reason = reason
         self.expression = expression
         self.function = function

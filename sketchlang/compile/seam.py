@@ -30,7 +30,7 @@ class Call:
         name = self.function.name
         given = ", ".join(shown(argument(frame)) for argument in self.arguments)
         called = f"{name}({given})" if given else name
-        return BrokenPromiseError(f"{called} {reason}", self.text, name)
+        return BrokenPromiseError(f"{called} {reason}", self.text, name, self.function.position)
 
     def raised(self, frame: Frame, error: Exception) -> BrokenPromiseError:
         """What to raise for an exception."""

@@ -14,7 +14,7 @@ from sketchlang.compile.errors import BrokenPromiseError, EvaluationError
 from sketchlang.compile.invariants import truth
 from sketchlang.compile.seam import Frame, Run
 from sketchlang.diagnostics import Diagnostic, Label
-from sketchlang.domain import Function
+from sketchlang.domain import Function, position_of
 from sketchlang.model import Kind, SketchModel
 from sketchlang.source import Span
 
@@ -160,6 +160,7 @@ def _guarded(
                 f"the atoms {name} cannot be listed: {words}",
                 expression=f"atoms {name}",
                 function=name,
+                position=position_of(family, ""),
                 state=state,
             ) from error
         return found
@@ -226,6 +227,7 @@ def _failure(
             feature=name,
             expression=error.expression,
             function=error.function,
+            position=error.position,
             state=state,
         )
     # The elements of a set can fail as well: when compared, hashed, or changed meanwhile.

@@ -79,8 +79,7 @@ class Explicit:
                 assert weight >= 0 or self.model.features[feature].bounded
                 numbers[feature] = weight
             else:
-                nat = self.model.features[feature].kind is Kind.NAT
-                assert key == (f"{name} > 0" if nat else name)
+                assert key in (name, f"{name} > 0")
                 truths[feature] = weight
         most: dict[str, int] = {}
         for before, r, after in self.edges:

@@ -55,7 +55,7 @@ class Push(NamedTuple):
         """Where the hand is when the fingers are at the object, as if it were a grasp."""
         item = world.items[self.object]
         height = min(HEIGHT, 0.6 * item.size[2])
-        outline = item.section(0.0, item.size[2])
+        outline = np.vstack(item.section(0.0, item.size[2]))
         forward = outline @ [math.cos(self.side), math.sin(self.side)]
         across = outline @ [-math.sin(self.side), math.cos(self.side)]
         face = across[forward < forward.min() + 1e-4]

@@ -96,7 +96,7 @@ def pushed(plan: dict[str, Any]) -> dict[str, Any]:
     ("axis", "by", "says"),
     [
         (0, 0.03, "mm away from it"),
-        (2, 0.01, "not on what it rests on"),
+        (2, 0.01, "moved along, but not on what"),
         (1, 0.02, "does not start where it is"),
     ],
 )

@@ -20,8 +20,13 @@ def stick(name: str, x: float, y: float, more: str = "") -> str:
 
 
 def task(folder: Path, *entries: str) -> TabletopWorld:
-    """The task of a scene with the given objects and goals."""
-    text = "robot_start = [-0.5, 0.0, 0.0]\n" + TABLES + "\n" + "\n".join(entries)
+    """The task of a scene with the given objects and goals, taken from the side."""
+    text = (
+        'robot_start = [-0.5, 0.0, 0.0]\napproaches = ["side"]\n'
+        + TABLES
+        + "\n"
+        + "\n".join(entries)
+    )
     return TabletopWorld.of(load_scene(write_scene(folder, text)), load_robot("tiago"))
 
 

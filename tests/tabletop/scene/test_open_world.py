@@ -386,7 +386,14 @@ def test_scenes_of_boxes_load_without_the_libraries_for_meshes() -> None:
 def test_every_object_of_the_new_scenes_rests_where_it_is_said_to(tmp_path) -> None:
     from sketchlang.library import find_scene
 
-    for name in ("kitchen/tidy", "warehouse/shelves", "kit/parts", "stack/pyramid", "desk/sort", "desk/low"):
+    for name in (
+        "kitchen/tidy",
+        "warehouse/shelves",
+        "kit/parts",
+        "stack/pyramid",
+        "desk/sort",
+        "desk/low",
+    ):
         scene = load_scene(*find_scene(name))
         heights = [float(scene.supports[o.rests.support].pose[2, 3]) for o in scene.objects]
         found = [lowest(scene, o.name) for o in scene.objects]
