@@ -16,6 +16,9 @@ from dataclasses import dataclass, field
 GAP_X = 18.0
 GAP_Y = 26.0
 SWEEPS = 24
+"""How often rows are gone through, downwards and upwards in turn."""
+MOST_VISITS = 60_000
+"""Of items in all sweeps: nobody finds arrow by arrow his way through a picture with more."""
 
 
 @dataclass
@@ -145,7 +148,7 @@ def _ordered(rows: list[list[Item]]) -> list[list[Item]]:
     best = [list(row) for row in rows]
     fewest = _crossings(best)
     current = [list(row) for row in rows]
-    for sweep in range(SWEEPS):
+    for sweep in range(_sweeps(rows)):
         place = {id(item): i for row in current for i, item in enumerate(row)}
         downwards = sweep % 2 == 0
         for row in current if downwards else reversed(current):
@@ -160,6 +163,11 @@ def _ordered(rows: list[list[Item]]) -> list[list[Item]]:
         if crossings < fewest:
             best, fewest = [list(row) for row in current], crossings
     return best
+
+
+def _sweeps(rows: list[list[Item]]) -> int:
+    """Fewer for a large picture: at least one downwards and one upwards."""
+    return max(2, min(SWEEPS, MOST_VISITS // max(1, sum(map(len, rows)))))
 
 
 def _crossings(rows: list[list[Item]]) -> int:
@@ -191,7 +199,7 @@ def _give_x(rows: list[list[Item]]) -> float:
         for item in row:
             item.x = x + item.width / 2
             x += item.width + GAP_X
-    for sweep in range(SWEEPS):
+    for sweep in range(_sweeps(rows)):
         downwards = sweep % 2 == 0
         for row in rows if downwards else reversed(rows):
             wishes = []
