@@ -14,8 +14,9 @@ from click.testing import CliRunner, Result
 from sketchlang.cli import cli
 from tests.trust.workspace import FORMS, Workspace, commands, make
 
-OTHERS = {("new domain", "--into"), ("bench", "--out")}
-"""A new folder, and a store: both have tests of their own."""
+OTHERS = {("new domain", "--into"), ("bench", "--out"), ("robot import", "--out")}
+"""Folders, and a store: these have tests of their own."""
+INPUTS = {("robot import", "--srdf"), ("bench", "--tasks")}
 
 
 def call(*arguments: object) -> Result:
@@ -53,11 +54,11 @@ def no_work(monkeypatch) -> None:
 
 def test_every_command_is_here(space, plan) -> None:
     tried = {(name, option) for name, _, option, _ in commands(space, plan)}
-    assert set(path_options("", cli)) == tried | OTHERS
+    assert set(path_options("", cli)) == tried | OTHERS | INPUTS
 
 
 def path_options(name: str, command: click.Command) -> Iterator[tuple[str, str]]:
-    """All options of the command line that are paths: those are what is written."""
+    """All options of the command line that are paths: what is written, and a few inputs."""
     if isinstance(command, click.Group):
         context = click.Context(command)
         for inner in command.list_commands(context):
@@ -100,6 +101,13 @@ def test_nothing_is_written_over_an_input(space, plan) -> None:
                 output.unlink()
             tried += 1
     assert tried > 200
+
+
+def test_a_proposal_for_a_robot_does_not_replace_what_is_read(space) -> None:
+    before = space.files()
+    done = call("robot", "import", space.urdf, "--out", space.folder)
+    assert {path: space.files()[path] for path in before} == before, done.output
+    assert "a bug in" not in done.output
 
 
 def test_pictures_do_not_replace_what_is_read(space, plan) -> None:
