@@ -90,7 +90,7 @@ def find_repairs(
     """
     useless = universe is not None
     found = _Search(model, budget, universe or _everything(model), useless).run(most)
-    if found.proposals or found.complete or universe is not None:
+    if found.proposals or universe is not None:
         return found
     # A way out after all, even if it is not the smallest: rules that are left out, and bounds.
     rest = _Search(model, budget.extended(LAST_SECONDS), _way_out(model), True).run(1)
@@ -172,6 +172,8 @@ class _Search:
     ) -> None:
         self.model = model
         self.useless = useless
+        # To leave out rules is always enough, if it may be all of them.
+        self.most = WHOLE_RULE * len(model.rules) if useless else MOST_CHANGES
         self.budget = budget
         self.universe = universe
         self.cycles: list[tuple[Move, ...]] = []
@@ -204,7 +206,7 @@ class _Search:
             chosen = frozenset(node.changes)
             if any(_covers(chosen, weaker) for weaker in found) or self._absurd(node.changes):
                 continue
-            if node.size > MOST_CHANGES:
+            if node.size > self.most:
                 return
             cycle = self._cycle(node.changes)
             if cycle is None:

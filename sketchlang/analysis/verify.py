@@ -143,7 +143,10 @@ class Checker:
         changes = dict.fromkeys(rules, 0)
         for key, weight in weights.items():
             feature = self.feature(key.removesuffix(" > 0"), where)
-            number = self.model.features[feature].kind is Kind.NAT and not key.endswith(" > 0")
+            nat = self.model.features[feature].kind is Kind.NAT
+            if key.endswith(" > 0") and not nat:
+                refuse(f"{where}: {key!r} is said of a nat only")
+            number = nat and not key.endswith(" > 0")
             for name in rules:
                 changes[name] += self.most(name, feature, number, an_integer(weight, where), where)
         for name in sorted(rules):

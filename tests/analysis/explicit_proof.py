@@ -79,7 +79,8 @@ class Explicit:
                 assert weight >= 0 or self.model.features[feature].bounded
                 numbers[feature] = weight
             else:
-                assert key in (name, f"{name} > 0")
+                nat = self.model.features[feature].kind is Kind.NAT
+                assert key == (f"{name} > 0" if nat else name)
                 truths[feature] = weight
         most: dict[str, int] = {}
         for before, r, after in self.edges:
