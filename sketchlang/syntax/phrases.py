@@ -153,7 +153,12 @@ def _spelled(group: str | None) -> str:
 
 
 def _atoms(match: re.Match[str]) -> str:
-    return "atoms " + ", ".join(re.findall(r"\w+", match["a"]))
+    return "atoms " + ", ".join(name for name in re.findall(r"\w+", match["a"]) if name != "and")
+
+
+def _joined(match: re.Match[str]) -> str:
+    keyword = match[0].split()[0]
+    return f"{keyword} {match['a']}" + re.sub(r"[^\w]+", "_", match["b"])
 
 
 def _count(match: re.Match[str]) -> str:
@@ -174,6 +179,7 @@ def _closed(text: str | None) -> str:
 
 _REWRITES: dict[str, Callable[[re.Match[str]], str]] = {
     "atoms": _atoms,
+    "joined": _joined,
     "count": _count,
     "quantifier": _quantifier,
 }
