@@ -105,9 +105,10 @@ class TabletopWorld:
                 f"the robot cannot stand at ({x:g}, {y:g}): it would touch a table or the fence",
                 place=f"{scene.name}: robot_start",
             )
+        turned = _seen_from(scene)
         made = [
-            Item.of(thing, described.rests.yaw, _symmetry(described))
-            for thing, described in zip(scene.world.movables, scene.objects, strict=True)
+            Item.of(thing, told.rests.yaw, 1 if thing.name in turned else _symmetry(told))
+            for thing, told in zip(scene.world.movables, scene.objects, strict=True)
         ]
         items = tuple(item for item, _ in made)
         return cls(
@@ -501,7 +502,25 @@ class TabletopWorld:
             self.items[index].symmetry,
             region,
             None if ground.owner is None else below[3],
+            self._bearers(goal),
         )
+
+    def _bearers(self, goal: RegionGoal | PoseGoal) -> tuple[int, ...]:
+        """The objects that bear what is at a goal."""
+        supports = (goal.support, *(goal.others if isinstance(goal, PoseGoal) else ()))
+        owners = (self.grounds[support].owner for support in supports)
+        return tuple(owner for owner in owners if owner is not None)
+
+
+def _seen_from(scene: Scene) -> set[str]:
+    """Objects in whose frame other objects have a goal that is off the middle: which way they are
+    turned matters, whatever their own symmetry."""
+    goals = [goal for goal in scene.goals.values() if isinstance(goal, PoseGoal)]
+    return {
+        scene.supports[goal.support].owner
+        for goal in goals
+        if math.hypot(goal.x, goal.y) > goal.tolerance or goal.yaw is not None
+    }
 
 
 def _turns(angles: Floats) -> list[float]:

@@ -66,9 +66,14 @@ class _Decision:
         return local
 
     def _lack_at(self, goal: RestsAt) -> str | None:
-        if not self._is_on(goal.body, goal.support):
-            return f"{goal.body} is not on {goal.support}"
+        # The point says where it has to be; its centre of mass may be over another support that
+        # bears it as well, and whether all of that is stable is asked elsewhere.
         index = self.world.index(goal.body)
+        region = self.supports[goal.support]
+        if index not in self.poses or not footings(
+            self.world, self.poses, index, self.rest, [region]
+        ):
+            return f"{goal.body} is not on {goal.support}"
         local = self._local(index, self.supports[goal.support])
         body = self.world.movables[index].body
         assert local is not None

@@ -15,6 +15,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from domains.tabletop.features import swept
 from domains.tabletop.features.goals import GoalSites
@@ -104,7 +105,7 @@ class Arrangement:
                 sites, holds, heights, owns, boxes, world.hand.sweeps[family], 0.0
             )
             np.fill_diagonal(barred, 0)
-            _bar_riders(world, placements, barred)
+            _bar_riders(world, placements, boxes, barred)
             counts = swept.bar_counts(barred, present, reachable)
             picks[family] = Picks(barred, holds, heights, reachable, counts)
         return cls(world, placements, boxes, sites, present, picks)
@@ -167,7 +168,7 @@ class Arrangement:
         )
         np.fill_diagonal(barred, 0)
         if stacked:
-            _bar_riders(world, placements, barred)
+            _bar_riders(world, placements, boxes, barred)
             return Picks(
                 barred, holds, heights, reachable, swept.bar_counts(barred, present, reachable)
             )
@@ -287,10 +288,18 @@ class Arrangement:
     def waits(self, goal: GoalSites) -> bool:
         """Whether a goal is on something that is still to be moved itself, or in the hand: that
         counts as disturbed by whatever is put there, and is in nobody's way."""
-        owner = self.world.grounds[goal.support].owner
-        if owner is None:
-            return False
-        return not self.present[owner] or bool(self.standing_on(owner) & self.unplaced())
+        wrong = self.unplaced() if goal.bearers else frozenset()
+        return any(
+            not self.present[owner] or bool(self.standing_on(owner) & wrong)
+            for owner in goal.bearers
+        )
+
+    def bears(self, index: int) -> list[int]:
+        """Objects that rest on an object, on it alone or on others as well."""
+        found = set(self.world.riders(self.placements, index))
+        if index in self.world.owned:
+            found |= set(np.flatnonzero(_borne(self.boxes, index) & (self.present > 0)).tolist())
+        return sorted(found)
 
     def standing_on(self, index: int) -> frozenset[int]:
         """An object, and those that it stands on."""
@@ -423,11 +432,9 @@ class Arrangement:
         The object itself must be away in this arrangement.
         """
         world = self.world
-        at = world.rests(
-            (*self.placements[:index], placement, *self.placements[index + 1 :]), index
-        )
+        at = world.rests_at(self.placements, index, placement)
         if at is None:
-            return 0
+            return 1  # on something in the hand, or on what stands on the object itself
         extra = Thought(index, world.box_row(index, at))
         owner = world.grounds[placement.support].owner
         below = frozenset() if owner is None else self.standing_on(owner)
@@ -490,11 +497,44 @@ def _has_riders(world: TabletopWorld, placements: Placements) -> bool:
     )
 
 
-def _bar_riders(world: TabletopWorld, placements: Placements, barred: Ints) -> None:
+def _bar_riders(world: TabletopWorld, placements: Placements, boxes: Floats, barred: Ints) -> None:
     """What rests on an object bars all ways to it, unless it is carried along."""
     for i in world.owned:
+        barred[i, _borne(boxes, i)] = swept.ALL
         for rider in world.riders(placements, i):
             barred[i, rider] = swept.ALL
+
+
+LEVEL = 0.006
+"""Metres between the top of an object and the bottom of what rests on it, at most."""
+
+
+def _borne(boxes: Floats, index: int) -> NDArray[np.bool_]:
+    """Which upright boxes (n, 8) stand on the top of one of them: (n,)."""
+    below = boxes[index]
+    level = np.abs(boxes[:, 2] - boxes[:, 5] - below[2] - below[5]) < LEVEL
+    found: NDArray[np.bool_] = np.zeros(len(boxes), dtype=np.bool_)
+    for j in np.flatnonzero(level):
+        found[j] = j != index and _footprints_meet(below, boxes[j])
+    return found
+
+
+def _footprints_meet(a: Floats, b: Floats) -> bool:
+    """Whether the footprints of two upright boxes (8,) overlap (separating axes)."""
+    dx, dy = b[0] - a[0], b[1] - a[1]
+    for box in (a, b):
+        for ux, uy in ((box[6], box[7]), (-box[7], box[6])):
+            reach = sum(
+                r[3] * abs(ux * r[6] + uy * r[7]) + r[4] * abs(uy * r[6] - ux * r[7])
+                for r in (a, b)
+            )
+            if abs(dx * ux + dy * uy) >= reach - OVERLAP:
+                return False
+    return True
+
+
+OVERLAP = 0.002
+"""Metres by which footprints must overlap for one thing to bear the other."""
 
 
 def _place_barred(world: TabletopWorld, ways: Places, family: int, boxes: Floats) -> Ints:

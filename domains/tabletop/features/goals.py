@@ -30,7 +30,8 @@ class GoalSites:
     `xy` (S, 2) are sites in the frame of the support's pose and `xyz` (S, 3) in the world;
     `yaw` is the heading that the object must have there, up to a turn of 2 pi / `symmetry`, or
     None where any will do. `region` is given where anywhere on it is well. `frame` is the
-    heading of the support's owner, None where that does not move. `key` tells groups of sites
+    heading of the support's owner, None where that does not move; `bearers` are all objects that
+    bear what is there. `key` tells groups of sites
     apart.
     """
 
@@ -43,6 +44,7 @@ class GoalSites:
     symmetry: int = 1
     region: Ground | None = None
     frame: float | None = None
+    bearers: tuple[int, ...] = ()
 
     @property
     def world_yaw(self) -> float | None:

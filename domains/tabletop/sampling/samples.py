@@ -9,6 +9,7 @@ import numpy as np
 
 from domains.tabletop.actions.actions import Action, ActionSchema, MoveBase, Pick, Place
 from domains.tabletop.actions.executability import Executor, Target
+from domains.tabletop.features.functions import arrangement
 from domains.tabletop.sampling.bases import BaseSampler, Wanted
 from domains.tabletop.sampling.draw import DOUBT, Draw
 from domains.tabletop.sampling.grasps import GraspSampler
@@ -39,12 +40,11 @@ class Samples:
         """
         executor = self.executor
         targets: list[Target] = []
+        standing = arrangement(executor.world, state.placements)
         if state.held is None:
             for index, grasps in self.picks:
                 placement = state.placements[index]
-                if placement is not None and not self.executor.world.riders(
-                    state.placements, index
-                ):
+                if placement is not None and not standing.bears(index):
                     targets.extend((index, placement, grasp) for grasp in grasps)
         elif state.grasp is not None and self.placed in (None, state.held):
             targets = [(state.held, placement, state.grasp) for placement in self.places]
