@@ -11,12 +11,9 @@ from collections.abc import Hashable
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, NamedTuple
 
-import numpy as np
-
-from runtime.world.poses import Pose
-
 if TYPE_CHECKING:
     from domains.tabletop.world import TabletopWorld
+    from runtime.world.poses import Pose
 
 UNIT = 1e-5
 """Metres and radians of one step of a quantised coordinate."""
@@ -132,6 +129,8 @@ class Grasp(NamedTuple):
             axes = [[0.0, -s * turn, c * turn], [0.0, c * turn, s * turn], [-1.0, 0.0, 0.0]]
         else:
             axes = [[c, 0.0, s * turn], [s, 0.0, -c * turn], [0.0, turn, 0.0]]
+        import numpy as np  # here, for `check` reads this file as well
+
         return np.column_stack([axes, [x, y, height]])
 
 

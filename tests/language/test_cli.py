@@ -65,7 +65,7 @@ def test_check_standard_input() -> None:
     assert run("check", "-", stdin=GOOD).exit_code == 0
     result = run("check", "-", stdin="sketch s s")
     assert result.exit_code == 1
-    assert "<stdin>:1:10" in result.stdout
+    assert "<stdin>:1:1" in result.stdout
 
 
 def test_three_mistakes_three_findings(here: Path) -> None:
