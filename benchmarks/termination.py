@@ -1,7 +1,9 @@
 """How `sketchlang terminate` scales: time and memory of whole processes, and of their parts.
 
     python benchmarks/termination.py [--features 5,12,20] [--families chain,relay] [--repeat 9]
+    python benchmarks/termination.py --sketches gray:20,closed:16,weighted_sum:60:2000,dense:24:200
 
+A sketch is a family, its features and, where the family has them, its rules and a seed.
 Each line is a sketch of `benchmarks/families.py`: its features, the verdict and the method,
 seconds of the whole process (the least of several runs, start-up of Python included), and of
 the processor, which other work on the machine disturbs less; seconds of `sketchlang check`
@@ -33,6 +35,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--features", default="5,12,20")
     parser.add_argument("--families", default="chain,relay,copies,endless")
+    parser.add_argument("--sketches", help="in place of families and features")
     parser.add_argument("--repeat", type=int, default=9)
     parser.add_argument("--time-limit", type=float, default=60.0)
     arguments = parser.parse_args()
@@ -42,16 +45,21 @@ def main() -> None:
     print(f"Python alone: {_least(['-c', 'pass'], arguments.repeat):.3f} s")
     header = ("family", "features", "verdict", "method", "process s", "CPU s", "check s")
     header += ("proof s", "peak MB", "certificate kB", "verify s")
-    print(("{:>9}  {:>8}  {:>15}  {:>16}" + "  {:>9}" * 5 + "  {:>14}  {:>8}").format(*header))
-    for family in arguments.families.split(","):
-        for features in map(int, arguments.features.split(",")):
-            _line(family, features, arguments.repeat, arguments.time_limit)
+    print(("{:>12}  {:>9}  {:>15}  {:>16}" + "  {:>9}" * 5 + "  {:>14}  {:>8}").format(*header))
+    sketches = arguments.sketches or ",".join(
+        f"{family}:{features}"
+        for family in arguments.families.split(",")
+        for features in arguments.features.split(",")
+    )
+    for sketch in sketches.split(","):
+        family, *numbers = sketch.split(":")
+        _line(family, list(map(int, numbers)), arguments.repeat, arguments.time_limit)
 
 
-def _line(family: str, features: int, repeat: int, limit: float) -> None:
+def _line(family: str, numbers: list[int], repeat: int, limit: float) -> None:
     with tempfile.TemporaryDirectory() as folder:
         sketch = Path(folder, "it.sketch")
-        sketch.write_text(FAMILIES[family](features))
+        sketch.write_text(FAMILIES[family](*numbers))
         proof = Path(folder, "proof.json")
         bound = ["--time-limit", str(limit)]
         plain = [_run(["terminate", str(sketch), *bound]) for _ in range(repeat)]
@@ -64,7 +72,8 @@ def _line(family: str, features: int, repeat: int, limit: float) -> None:
             check_it = ["verify", str(proof), str(sketch)]
             verify = min(_run(check_it).wall for _ in range(repeat))
         print(
-            f"{family:>9}  {features:>8}  {found['verdict']:>15}  {found['method']:>16}"
+            f"{family:>12}  {':'.join(map(str, numbers)):>9}"
+            f"  {found['verdict']:>15}  {found['method']:>16}"
             f"  {min(run.wall for run in plain):>9.3f}  {min(run.cpu for run in plain):>9.3f}"
             f"  {check:>9.3f}  {found['time_s']:>9.4f}  {plain[0].peak:>9.0f}"
             f"  {size:>14.1f}  {verify:>8.3f}",

@@ -121,9 +121,11 @@ def find_coverage(model: SketchModel, most_work: int = MOST_WORK) -> Coverage:
     )
 
 
-def usable_rules(model: SketchModel) -> frozenset[int]:
-    """The rules that some valuation can use, which is no goal and no invariant excludes."""
-    work = Work(MOST_WORK)
+def usable_rules(model: SketchModel, most_work: int = MOST_WORK) -> frozenset[int]:
+    """The rules that some valuation can use, which is no goal and no invariant excludes.
+
+    Raises `TooManyCubesError` if that is too much work."""
+    work = Work(most_work)
     sets = _Sets(model, work)
     outside = sets.excluded + sets.goal
     return frozenset(

@@ -34,6 +34,7 @@ from sketchlang.analysis.changes import (
     without,
 )
 from sketchlang.analysis.coverage import usable_rules
+from sketchlang.analysis.cubes import TooManyCubesError
 from sketchlang.analysis.elimination import drop
 from sketchlang.analysis.limits import Budget, LimitReachedError
 from sketchlang.analysis.termination import NonTerminating, Terminating, decide_termination
@@ -48,6 +49,9 @@ MOST_CHANGES = 9
 
 LAST_SECONDS = 0.2
 """Time to find some way out when the limit came before the smallest repair."""
+
+USABLE_WORK = 100_000
+"""Steps of work to see whether changes leave every rule its use; beyond that they may not."""
 
 WHOLE_RULE = 3
 """A rule that is left out counts as this many changes: it is rather a way out than a repair."""
@@ -179,7 +183,7 @@ class _Search:
         self.cycles: list[tuple[Move, ...]] = []
         self.costs: dict[Change, Fraction] = {}
         self.sketches = _Masks(model)
-        self.used = usable_rules(model)
+        self.used: frozenset[int] | None = None
 
     def run(self, most: int) -> Repair:
         found: list[Proposal] = []
@@ -258,6 +262,7 @@ class _Search:
         masks = self.sketches.of(changes)
         moves = set(cycle)
         for change in self.universe(cycle):
+            self.budget.check()
             if place(change) in places or getattr(change, "rule", None) in gone:
                 continue
             if masks.touched(moves, change, self.sketches.of((*changes, change))):
@@ -267,7 +272,12 @@ class _Search:
         """Whether changes do what leaving out a rule does, by another name."""
         if all(isinstance(change, LeaveOut | Bound) for change in changes):
             return False
-        usable = usable_rules(changed(self.model, changes))
+        try:
+            if self.used is None:
+                self.used = usable_rules(self.model, USABLE_WORK)
+            usable = usable_rules(changed(self.model, changes), USABLE_WORK)
+        except TooManyCubesError:
+            return False
         if self.useless:
             return bool(self.used) and not usable
         return not self.used - removed(changes) <= usable
