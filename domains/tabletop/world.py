@@ -499,7 +499,7 @@ class TabletopWorld:
             xyz,
             tolerance,
             yaw,
-            self.items[index].symmetry,
+            1 if index in self.scene.bearing else self.items[index].symmetry,
             region,
             None if ground.owner is None else below[3],
             self._bearers(goal),

@@ -213,6 +213,12 @@ class Scene:
         return self.world.supports
 
     @cached_property
+    def bearing(self) -> frozenset[int]:
+        """Objects on which something is to be put at a point: that is measured along their axes,
+        so their heading matters even where their shape does not tell it."""
+        return bearing(self.goals, self.objects, self.supports)
+
+    @cached_property
     def surfaces(self) -> tuple[Surface, ...]:
         """The tops of tables: the first of the supports."""
         fixed = {thing.name: thing for thing in self.world.fixed}
@@ -263,6 +269,24 @@ def fixed_box(name: str, box: UprightBox) -> Fixed:
     """A box that never moves."""
     x, y, z = box.centre
     return Fixed(name, standing(Box(box.size)), upright(x, y, z - box.size[2] / 2, box.yaw))
+
+
+def bearing(
+    goals: Mapping[int, Goal], objects: Sequence[SceneObject], supports: Sequence[Support]
+) -> frozenset[int]:
+    """The objects on which goals put something at a point that is not the middle."""
+    index = {thing.name: i for i, thing in enumerate(objects)}
+    singles = [
+        single
+        for goal in goals.values()
+        for single in (goal.alternatives if isinstance(goal, AnyGoal) else (goal,))
+    ]
+    owners = [
+        supports[goal.support].owner
+        for goal in singles
+        if isinstance(goal, PoseGoal) and (goal.x, goal.y) != (0.0, 0.0)
+    ]
+    return frozenset(index[owner] for owner in owners if owner in index)
 
 
 def support_in_world(support: Support, owners: Mapping[str, Pose]) -> Pose:

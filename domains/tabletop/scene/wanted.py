@@ -13,6 +13,7 @@ from domains.tabletop.scene.model import (
     RegionGoal,
     SceneObject,
     WordGoal,
+    bearing,
 )
 from runtime.world import goals as wanted
 from runtime.world.poses import heading
@@ -36,16 +37,22 @@ def _all(
     objects: Sequence[SceneObject],
     supports: Sequence[Support],
 ) -> Iterator[wanted.Goal]:
+    exact = bearing(goals, objects, supports)
     for index, goal in goals.items():
-        yield _one(goal, objects[index], objects, supports)
+        yield _one(goal, objects[index], objects, supports, index in exact)
     if word is not None:
         name = supports[word.support].name
         yield wanted.Spelled(word.word, name, word.pitch, word.tolerance)
 
 
 def _one(
-    goal: Goal, thing: SceneObject, objects: Sequence[SceneObject], supports: Sequence[Support]
+    goal: Goal,
+    thing: SceneObject,
+    objects: Sequence[SceneObject],
+    supports: Sequence[Support],
+    exact: bool,
 ) -> wanted.Goal:
+    """What a goal asks; `exact` where turns that the shape does not tell count."""
     match goal:
         case RegionGoal():
             return wanted.RestsOn(thing.name, supports[goal.support].name)
@@ -53,21 +60,27 @@ def _one(
             return wanted.IsHeld(thing.name)
         case AnyGoal():
             return wanted.AnyOf(
-                tuple(_one(each, thing, objects, supports) for each in goal.alternatives)
+                tuple(_one(each, thing, objects, supports, exact) for each in goal.alternatives)
             )
         case PoseGoal():
-            return _at(goal, thing, objects, supports[goal.support])
+            return _at(goal, thing, objects, supports[goal.support], exact)
 
 
 def _at(
-    goal: PoseGoal, thing: SceneObject, objects: Sequence[SceneObject], support: Support
+    goal: PoseGoal,
+    thing: SceneObject,
+    objects: Sequence[SceneObject],
+    support: Support,
+    exact: bool,
 ) -> wanted.RestsAt:
     x, y, yaw = goal.x, goal.y, goal.yaw
     if all(support.owner != other.name for other in objects):
         (x, y), turn = local(support, x, y), heading(support.pose)
         yaw = None if yaw is None else yaw - turn
     symmetry = thing.stable[thing.rests.stable].symmetry
-    if symmetry == ANY_TURN:
+    if exact:
+        symmetry = 1
+    elif symmetry == ANY_TURN:
         yaw = None
     return wanted.RestsAt(
         thing.name, support.name, x, y, goal.tolerance, yaw, symmetry=max(1, symmetry)

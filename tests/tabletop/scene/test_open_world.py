@@ -398,3 +398,13 @@ def test_every_object_of_the_new_scenes_rests_where_it_is_said_to(tmp_path) -> N
         heights = [float(scene.supports[o.rests.support].pose[2, 3]) for o in scene.objects]
         found = [lowest(scene, o.name) for o in scene.objects]
         assert np.array(found) == pytest.approx(np.array(heights), abs=2e-3)
+
+
+def test_what_others_are_put_on_at_a_point_has_one_heading() -> None:
+    """A cube looks the same after a quarter turn; the place beside its middle does not."""
+    from sketchlang.library import find_scene
+
+    scene = load_scene(*find_scene("stack/pyramid"))
+    assert sorted(scene.objects[i].name for i in scene.bearing) == ["a", "b", "d"]
+    turns = {goal.body: goal.symmetry for goal in scene.world.goals if hasattr(goal, "symmetry")}
+    assert turns == {"a": 1, "b": 1, "c": 4, "d": 1, "e": 4, "f": 4}
