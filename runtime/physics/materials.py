@@ -17,6 +17,11 @@ class Materials:
     spinning: float = 0.002
     finger_force: float = 16.0
 
+    @classmethod
+    def of(cls, force: float | None) -> Materials:
+        """Materials for fingers of some force, or of the usual one where that is not known."""
+        return cls() if force is None else cls(finger_force=force)
+
     @property
     def holding_force(self) -> float:
         """Newtons that two fingers can hold by friction: a grasp breaks above it."""

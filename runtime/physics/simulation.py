@@ -64,7 +64,7 @@ class Physics:
         materials: Materials | None = None,
     ) -> None:
         self.world, self.robot = world, robot
-        self.materials = materials or Materials()
+        self.materials = materials or Materials.of(robot.max_force)
         self.bullet = connect(gui)
         self.watched = gui
         self.time = 0.0

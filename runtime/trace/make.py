@@ -82,6 +82,7 @@ def trace_robot(robot: RobotModel) -> TraceRobot:
         max_opening=robot.gripper.max_opening,
         openings=robot.gripper.openings,
         finger_table=robot.gripper.values,
+        max_force=robot.gripper.max_force,
     )
 
 

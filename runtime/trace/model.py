@@ -25,6 +25,7 @@ class TraceRobot:
     values of the other joints, `home` the posture in which it drives, `tool` the link whose
     frame is the grasp centre (x: approach, y: the fingers open). The finger joints have the
     values `finger_table` (k, m) at the openings (k,), and are interpolated in between.
+    `max_force` is that of the fingers in newtons, where it is known.
     """
 
     name: str
@@ -39,6 +40,7 @@ class TraceRobot:
     max_opening: float
     openings: Floats
     finger_table: Floats
+    max_force: float | None = None
 
     def finger_values(self, opening: Floats) -> Floats:
         """Values (..., m) of the finger joints for openings (...)."""

@@ -41,6 +41,7 @@ def robot_of(node: Node) -> TraceRobot:
         raise node["tool"].fail(f"there is no link {node['tool'].text()!r}")
     openings = node["openings"].numbers((None,))
     table = node["finger_values"].numbers((len(openings), len(lists["finger_joints"])))
+    force = node["max_force"].optional()
     return TraceRobot(
         name=node["name"].text(),
         digest=node["digest"].text(),
@@ -54,6 +55,7 @@ def robot_of(node: Node) -> TraceRobot:
         max_opening=node["max_opening"].number(),
         openings=openings,
         finger_table=table,
+        max_force=None if force is None else force.number(),
     )
 
 

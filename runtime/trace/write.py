@@ -160,6 +160,7 @@ def _robot(robot: TraceRobot) -> dict[str, Any]:
         "tool": robot.tool,
         "gripper_links": list(robot.gripper_links),
         "max_opening": round(robot.max_opening, 6),
+        "max_force": None if robot.max_force is None else round(robot.max_force, 6),
         "openings": rounded(robot.openings),
         "finger_values": rounded(robot.finger_table),
     }

@@ -33,7 +33,9 @@ CUBE = 0.04
 HOME = (0.0, 0.0, 1.0)
 
 URDF = """<robot name="gantry">
-  <link name="rail"/><link name="bridge"/><link name="trolley"/>
+  <link name="rail"/><link name="trolley"/>
+  <link name="bridge"><collision><origin xyz="0 0 1.7"/><geometry><box size="0.2 4 0.05"/>
+    </geometry></collision></link>
   <link name="mast"><collision><origin xyz="0 0 0.57"/><geometry><box size="0.02 0.02 1.0"/>
     </geometry></collision></link>
   <link name="hand"><collision><origin xyz="-0.01 0 0"/><geometry><box size="0.02 0.1 0.03"/>
@@ -66,7 +68,9 @@ tool_link = "grasp"
 joints = ["x", "y", "z"]
 acceleration = [1.0, 1.0, 1.0]
 home = [0.0, 0.0, 1.0]
-ignored_collisions = [["mast", "hand"], ["hand", "left"], ["hand", "right"], ["left", "right"]]
+ignored_collisions = [
+  ["bridge", "mast"], ["mast", "hand"], ["hand", "left"], ["hand", "right"], ["left", "right"],
+]
 
 [gripper]
 finger_joints = ["left_finger", "right_finger"]

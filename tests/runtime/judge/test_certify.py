@@ -181,6 +181,24 @@ def with_neighbour() -> str:
     )
 
 
+def test_an_arm_that_folds_into_itself_is_named(plan_data, tmp_path, sticks, robot, rng) -> None:
+    """In the middle of the room, slowly, to postures in which FCL finds parts that touch."""
+    body, nothing = robot.body(robot.gripper.max_opening), np.zeros((0, 8))
+    action = plan_data["actions"][0]
+    tried = [rng.uniform(robot.lower, robot.upper) for _ in range(150)]
+    folded = [q for q in tried if arm_touches(robot.chain, body, nothing, q)][:5]
+    assert len(folded) == 5
+    named = 0
+    for q in folded:
+        path = [robot.home.tolist(), q.tolist(), robot.home.tolist()]
+        action["pieces"] = [{"type": "arm", "kind": "free", "times": [0, 90, 180], "path": path}]
+        certificate = certify(parse(tmp_path, plan_data), sticks.world, robot)
+        rejected(certificate, "hits")
+        words = certificate.findings[0].message.split()
+        named += sum(word.endswith("_link") for word in words) == 2
+    assert named >= 3
+
+
 # -- continuity and limits ---------------------------------------------------------------------
 
 

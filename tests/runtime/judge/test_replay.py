@@ -10,8 +10,10 @@ import pytest
 from runtime.judge.certify import certify
 from runtime.motion.motion import BaseMove
 from runtime.plan.model import TimedPiece
+from runtime.world.body import Body, Part
 from runtime.world.goals import IsHeld, RestsOn
 from runtime.world.poses import upright
+from runtime.world.solids import Box
 from runtime.world.world import Fixed, Movable
 from tests.runtime.judge.gantry import (
     AIR,
@@ -112,6 +114,19 @@ def test_what_a_tray_takes_along_must_not_touch_anything() -> None:
     script = Script(replace(tray_world(), fixed=(*tray_world().fixed, bar)))
     script.over(0.0, 0.0, TOP + AIR + 0.012).take("tray", 0.06).to(0.0, 0.0, TOP + 0.08)
     assert "left hits bar" in script.to(-0.2, 0.0, TOP + 0.08).fault()
+
+
+def test_what_is_held_and_what_stands_on_it_must_not_touch_the_robot() -> None:
+    """The bridge of the gantry is above: long things must not be lifted into it."""
+    posts = [Part(Box((0.01, 0.01, 0.6)), upright(x, 0, 0.3, 0)) for x in (-0.06, 0.06)]
+    slab = Part(Box((0.14, 0.04, 0.02)), upright(0, 0, 0.01, 0))
+    fork = Movable("fork", Body((slab, *posts), 0.2, (0.0, 0.0, 0.2)), upright(0, 0, TOP + AIR, 0))
+    script = Script(table_world(fork)).over(0, 0, TOP + AIR + 0.012).take("fork", 0.04)
+    low, high = script.to(0, 0, 1.0), 1.2
+    assert low.fault() == "fork is still held at the end"
+    assert "fork hits bridge" in script.to(0, 0, high).fault()
+    script = Script(tray_world(tall=0.6)).over(0, 0, TOP + AIR + 0.012).take("tray", 0.06)
+    assert "left hits bridge" in script.to(0, 0, high).fault()
 
 
 def test_what_stands_on_two_things_bars_both() -> None:
