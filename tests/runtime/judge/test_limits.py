@@ -34,6 +34,18 @@ def test_timed_paths_keep_what_the_format_promises(seed, corners, size) -> None:
         assert arm_fault(ROBOT, way, np.round(marks * 0.9, 6)) is not None
 
 
+def test_a_speed_that_jumps_within_a_straight_motion_is_told() -> None:
+    """One joint speeds up as it may, to 0.4 rad/s, and doubles that in one step."""
+    joint, hard, tick = 3, float(ROBOT.acceleration[3]), 0.05
+    ramp = [hard * tick * (i + 0.5) for i in range(2)]
+    for jump, word in ((0.0, None), (0.4, "changes its speed faster")):
+        speeds = np.array([*ramp, 0.4, 0.4 + jump, 0.4 + jump, 0.4, *ramp[::-1]])
+        path = np.tile(ROBOT.home, (len(speeds) + 1, 1))
+        path[1:, joint] += np.cumsum(speeds) * tick
+        found = arm_fault(ROBOT, path, tick * np.arange(len(path)))
+        assert (found is None) if word is None else (word in str(found)), found
+
+
 @pytest.mark.parametrize(
     ("kind", "poses", "word"),
     [
