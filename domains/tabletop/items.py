@@ -254,13 +254,14 @@ class Item:
 
 def why_not(item: Item, hand: Hand, families: Sequence[int]) -> str | None:
     """Why no hand of some families can take an object, in a few words; None where one can."""
-    angles = np.linspace(0.0, 2 * math.pi, 48, endpoint=False)
+    angles: Floats = np.concatenate([item.sides, np.arange(48.0) * math.pi / 24])
     holds = [item.holds(hand, family, angles) for family in families]
     if any(hold is not None and hold.fits.any() for hold in holds):
         return None
     if 9.81 * item.body.mass > hand.max_weight:
         return f"weighs {item.body.mass:.1f} kg, more than the gripper bears"
-    widths = [float(hold.width.min()) for hold in holds if hold is not None]
+    squarely = len(item.sides) or len(angles)
+    widths = [float(hold.width[:squarely].min()) for hold in holds if hold is not None]
     widest = hand.max_opening - 2 * hand.clearance
     if widths and min(widths) > widest:
         narrowest = 1000 * min(widths)

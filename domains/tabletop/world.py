@@ -288,25 +288,24 @@ class TabletopWorld:
         )
 
     def _hold(self, item: Item, family: int, yaw: float) -> SiteHold:
-        middles = MIDDLES
-        rows, angles, fits, height = np.zeros((HEADINGS, 3)), middles.copy(), 0, 0.0
-        for k in range(HEADINGS):
-            # Squarely on a side where there is one within the step, else as it comes.
-            near = [
-                middles[k] + turn
-                for turn in _turns(item.sides + yaw - middles[k])
-                if abs(turn) <= STEP / 2
-            ]
-            tried: Floats = np.array([*near, middles[k]])
-            found = item.holds(self.hand, family, tried - yaw)
-            if found is None:
-                break
-            height = found.height
-            chosen = next((i for i in range(len(tried)) if found.fits[i]), len(tried) - 1)
-            rows[k] = found.width[chosen] / 2, found.along[chosen], found.aside[chosen]
-            angles[k] = tried[chosen]
-            fits |= int(found.fits[chosen]) << k
-        return SiteHold(rows, height, fits, angles)
+        # Squarely on a side where there is one within the step, else as it comes.
+        tried: list[float] = []
+        owner: list[int] = []
+        for k, middle in enumerate(MIDDLES.tolist()):
+            near = [middle + t for t in _turns(item.sides + yaw - middle) if abs(t) <= STEP / 2]
+            tried += [*near, middle]
+            owner += [k] * (len(near) + 1)
+        rows, angles, fits = np.zeros((HEADINGS, 3)), MIDDLES.copy(), 0
+        found = item.holds(self.hand, family, np.array(tried) - yaw)
+        if found is None:
+            return SiteHold(rows, 0.0, 0, angles)
+        for i in range(len(tried) - 1, -1, -1):
+            k = owner[i]
+            if found.fits[i] or not (fits >> k) & 1:
+                rows[k] = found.width[i] / 2, found.along[i], found.aside[i]
+                angles[k] = tried[i]
+                fits |= int(found.fits[i]) << k
+        return SiteHold(rows, found.height, fits, angles)
 
     def place_hold(
         self, index: int, family: int, yaw: float | None, grasp: Grasp | None
@@ -338,13 +337,15 @@ class TabletopWorld:
 
     # -- what the robot can get to ---------------------------------------------------------------
 
-    def reachable(self, sites: Floats, own: Floats, hold: SiteHold, family: int) -> Ints:
-        """Bits of the headings (S,) from which the robot could take, at sites (S, 3), something
-        that is held in a way, as far as what never moves is concerned."""
+    def reachable(
+        self, sites: Floats, own: Floats, hold: SiteHold, family: int, wanted: int = swept.ALL
+    ) -> Ints:
+        """Bits of the `wanted` headings (S,) from which the robot could take, at sites (S, 3),
+        something that is held in a way, as far as what never moves is concerned."""
         open_ways = swept.open_headings(
             sites, hold.rows, hold.height, own, self.statics, self.hand.sweeps[family]
         )
-        open_ways &= hold.fits
+        open_ways &= hold.fits & wanted
         out: Ints = np.zeros(len(sites), dtype=np.int64)
         for height in np.unique(sites[:, 2]).tolist():
             level = sites[:, 2] == height

@@ -62,7 +62,13 @@ class Manipulation:
     def key(self) -> object:
         """Equal for the same question; another one as soon as something in reach has moved."""
         riders = tuple((part.solid, part.pose.tobytes()) for part in self.riders)
-        return self.base, self.target, self.others.rows.tobytes(), riders
+        return (
+            self.base,
+            self.target,
+            self.others.rows.tobytes(),
+            self.others.pose.tobytes(),
+            riders,
+        )
 
 
 class Executor:

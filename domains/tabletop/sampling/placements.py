@@ -287,8 +287,8 @@ class PlacementSampler:
             site[None], hold.rows[None], np.array([hold.height]), own[None], boxes,
             world.hand.sweeps[grasp.family], 0.0,
         )[0]  # fmt: skip
-        reachable = int(world.reachable(site[None], own, hold, grasp.family)[0])
-        return reachable & ~int(np.bitwise_or.reduce(barred)) if len(barred) else reachable
+        wanted = swept.ALL & ~int(np.bitwise_or.reduce(barred)) if len(barred) else swept.ALL
+        return int(world.reachable(site[None], own, hold, grasp.family, wanted)[0])
 
 
 def _moved(frame: tuple[float, float, float, float], x: float, y: float, z: float) -> Floats:
