@@ -73,7 +73,7 @@ def test_what_is_carried_over_equals_what_is_computed_afresh(tmp_path, seed, sta
         index = int(rng.integers(len(SIZES)))
         moved: Placement | None = None
         if placements[index] is None or rng.random() < 0.7:
-            x, y = (*rng.uniform(-1.2, 1.2, 2), 0.8, -0.1)
+            x, y = rng.uniform(-1.2, 1.2, 2) + np.array([0.8, -0.1])
             moved = Placement.of(x, y, rng.uniform(0, 6.28), int(rng.integers(2)))
             if stacks and index not in stacks and rng.random() < 0.4:
                 top = len(world.grounds) - 1 - int(rng.integers(len(stacks)))

@@ -128,7 +128,9 @@ class Arrangement:
             present[i], yaws[i] = at is not None, 0.0 if at is None else at[3]
             boxes[i] = FAR_OFF if at is None else world.box_row(i, at)
             sites[i] = FAR_OFF[:3] if at is None else at[:3]
-        stacked = _has_riders(world, self.placements) or _has_riders(world, placements)
+        stacked = _is_stacked(world, self.placements, self.boxes) or _is_stacked(
+            world, placements, boxes
+        )
         picks = {
             family: self._moved_picks(
                 family, placements, changed, yaws, boxes, sites, present, stacked
@@ -489,12 +491,17 @@ def _owns(world: TabletopWorld, indices: Iterable[int]) -> Floats:
     return np.array([world.own(i) for i in indices]).reshape(-1, 2)
 
 
-def _has_riders(world: TabletopWorld, placements: Placements) -> bool:
+def _is_stacked(world: TabletopWorld, placements: Placements, boxes: Floats) -> bool:
     """Whether something rests on something that can be moved."""
+    if not world.owned:
+        return False
     grounds = world.grounds
-    return bool(world.owned) and any(
-        p is not None and grounds[p.support].owner is not None for p in placements
-    )
+    if any(p is not None and grounds[p.support].owner is not None for p in placements):
+        return True
+    owners = np.array(list(world.owned))
+    tops = boxes[owners, 2] + boxes[owners, 5]
+    level = np.abs(tops[:, None] - (boxes[:, 2] - boxes[:, 5])[None]) < LEVEL
+    return any(_borne(boxes, int(owners[i])).any() for i in np.flatnonzero(level.any(axis=1)))
 
 
 def _bar_riders(world: TabletopWorld, placements: Placements, boxes: Floats, barred: Ints) -> None:
