@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import keyword
 import os
 import sys
 from collections.abc import Sequence
@@ -34,6 +35,7 @@ COMMANDS = {
     "replay": "Show a plan: a page for the browser, pictures, a film.",
     "export": "Write trajectories for ROS 2, a bag, a 3D model.",
     "robot": "Bring in a robot of one's own, look its file over.",
+    "import": "Translate a policy of dlplan or runir.",
     "bench": "Run a benchmark suite and print its tables.",
 }
 
@@ -53,7 +55,9 @@ class LazyGroup(click.Group):
     def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
         if name not in COMMANDS:
             return None
-        module = importlib.import_module(f"sketchlang.cli.{name}")
+        # `import` is a word of Python: its file has another name.
+        file = f"{name}_" if keyword.iskeyword(name) else name
+        module = importlib.import_module(f"sketchlang.cli.{file}")
         command: click.Command = module.command
         return command
 

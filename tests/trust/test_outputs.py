@@ -14,8 +14,13 @@ from click.testing import CliRunner, Result
 from sketchlang.cli import cli
 from tests.trust.workspace import FORMS, Workspace, commands, make
 
-OTHERS = {("new domain", "--into"), ("bench", "--out"), ("robot import", "--out")}
-"""Folders, and a store: these have tests of their own."""
+OTHERS = {
+    ("new domain", "--into"),
+    ("bench", "--out"),
+    ("robot import", "--out"),
+    ("import", "--out"),
+}
+"""Folders, a store, and what reads other tools' files: these have tests of their own."""
 INPUTS = {("robot import", "--srdf"), ("bench", "--tasks")}
 
 

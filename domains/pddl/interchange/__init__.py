@@ -1,0 +1,1 @@
+"""Sketches in the notations of other tools, translated into the language."""
