@@ -10,6 +10,7 @@ from sketchlang.check.typed import ONE, OPEN, Node
 
 if TYPE_CHECKING:
     from domains.pddl.features.compiler import Compiler, Frame, Run
+    from domains.pddl.features.sources import Source
 
 
 def compiled(compiler: Compiler, node: Node) -> Run:
@@ -115,6 +116,8 @@ def as_set(compiler: Compiler, node: Node, level: int) -> Run | None:
                     value = compiler.run(other)
                     return lambda frame: 1 << value(frame)
             return None
+        case "subset":
+            return _of_rows(compiler, node, level)
         case "not":
             inner = as_set(compiler, node.parts[0], level)
             return None if inner is None else (lambda frame: ~inner(frame))
@@ -165,6 +168,35 @@ def _of_predicate(compiler: Compiler, node: Node, level: int) -> Run | None:
     pattern[places[0]] = OPEN
     given = [compiler.run(part) for place, part in enumerate(node.parts) if place != places[0]]
     return compiler.image(compiler.source(compiler.meanings[function]), tuple(pattern), given)
+
+
+def _of_rows(compiler: Compiler, node: Node, level: int) -> Run | None:
+    """`p(x, _) <= q(x, _)`, what most goals are about: only the rows of `p` are looked at."""
+    first, second = (_row_source(compiler, part, level) for part in node.parts)
+    if first is None or second is None:
+        return None
+    rows, last = first.rows, second.last
+
+    def run(frame: Frame) -> Mask:
+        bits, broken = frame[0], 0
+        for element, row in rows(bits).items():
+            if row & ~last(bits, (element,)):
+                broken |= 1 << element
+        return ~broken
+
+    return run
+
+
+def _row_source(compiler: Compiler, node: Node, level: int) -> Source | None:
+    """The predicate `p` of `p(x, _)`, where `x` is the variable of a level; None for others."""
+    from domains.pddl.features.compiler import _function
+
+    if node.kind != "image" or len(node.parts) != 1 or not _is(node.parts[0], level):
+        return None
+    function = _function(node)
+    assert function is not None
+    pattern = node.value[1]  # type: ignore[index]
+    return compiler.source(compiler.meanings[function]) if pattern == (ONE, OPEN) else None
 
 
 def _is(node: Node, level: int) -> bool:

@@ -86,7 +86,17 @@ def _apply(compiler: Compiler, node: Node) -> Run:
         end = right
         return lambda frame: bool(after(frame) & end(frame))
     assert right is not None
-    run = compiler.run(relation)
+    run, wanted = compiler.run(relation), right
+    if node.kind == "apply":
+
+        def before(frame: Frame) -> Mask:
+            end, found = wanted(frame), 0
+            for element, row in run(frame).items():
+                if row & end:
+                    found |= 1 << element
+            return found
+
+        return before
 
     def other_way(frame: Frame) -> Row:
         return rows.getter(rows.inverse(run(frame)))
