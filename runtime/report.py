@@ -6,7 +6,7 @@ from collections import Counter
 from typing import Any
 
 from runtime.solve import Result
-from sketchlang import __version__
+from sketchlang.version import __version__
 
 
 def make_report(result: Result) -> dict[str, Any]:

@@ -9,10 +9,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from sketchlang.version import __version__
+
 if TYPE_CHECKING:
     from sketchlang.api import Plan, Result, check, load, plan, terminate
-
-__version__ = "0.1.0"
 
 __all__ = ["Plan", "Result", "__version__", "check", "load", "plan", "terminate"]
 

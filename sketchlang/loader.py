@@ -13,7 +13,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from sketchlang.check.checker import CheckedSketch, check
 from sketchlang.diagnostics import Diagnostic, Label, Severity
@@ -286,8 +286,8 @@ def _pddl_beside(target: str, source: Source) -> Domain:
 
 def pddl_domain(path: str) -> Domain:
     """The domain of a PDDL file. Raises `InputError` with what is wrong with it, and where."""
-    # By name: the language knows no domain, as long as none is asked for.
-    found: Domain = importlib.import_module("domains.pddl.interface").interface_of(path)
+    # The folder of `domains/` that is called like the ending of a file knows what to do with it.
+    found: Domain = _attribute(f"domains{PDDL}.interface", "interface_of")(path)
     return found
 
 
@@ -331,9 +331,14 @@ def _entry_points() -> list[EntryPoint]:
     return list(entry_points(group=GROUP))
 
 
+def _attribute(module: str, name: str) -> Any:
+    """What stands in a module: domains are found, the language imports none of them."""
+    return getattr(importlib.import_module(module), name)
+
+
 def _import_domain(module: str, attribute: str, name: str) -> Domain:
     try:
-        found = getattr(importlib.import_module(module), attribute)
+        found = _attribute(module, attribute)
     # A module that ends the program would end the command as well.
     except (Exception, SystemExit) as error:
         raise InputError(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -19,6 +19,18 @@ def modules(*folders: str) -> list[Path]:
     return sorted(
         path.relative_to(ROOT) for folder in folders for path in (ROOT / folder).rglob("*.py")
     )
+
+
+def by_name() -> dict[str, Path]:
+    """Every module of ours, by its name."""
+    return {
+        ".".join(path.with_suffix("").parts).removesuffix(".__init__"): path
+        for path in modules(*PACKAGES)
+    }
+
+
+BY_NAME = by_name()
+COMMANDS = [name for name in BY_NAME if name.startswith("sketchlang.cli.")]
 
 
 def names(node: ast.Import | ast.ImportFrom, path: Path) -> Iterator[str]:
@@ -36,18 +48,67 @@ def is_type_checking(node: ast.stmt) -> bool:
     return isinstance(node, ast.If) and "TYPE_CHECKING" in ast.dump(node.test)
 
 
-def imports(path: Path, lazy: bool) -> set[str]:
-    """What a file imports: when it is loaded, or with `lazy` at any time; never for types only."""
+Reader = Callable[[ast.Import | ast.ImportFrom, Path], Iterator[str]]
+
+
+def called_for(node: ast.AST) -> Iterator[str]:
+    """Modules that a call of `import_module` or `__import__` names; a name that is made when the
+    program runs stands for every module of ours that begins as its fixed part does."""
+    if not (isinstance(node, ast.Call) and node.args):
+        return
+    if ast.unparse(node.func).rpartition(".")[2] not in ("import_module", "__import__"):
+        return
+    match node.args[0]:
+        case ast.Constant(value=str(name)):
+            yield name
+        case ast.JoinedStr(values=[ast.Constant(value=str(start)), *_]):
+            yield from (name for name in BY_NAME if name.startswith(start))
+
+
+def imports(path: Path, lazy: bool, of: Reader = names) -> set[str]:
+    """What a file imports: when it is loaded, or with `lazy` at any time; never for types only.
+    `of` are the names of a statement."""
     found: set[str] = set()
     pending: list[ast.AST] = list(ast.parse((ROOT / path).read_text(encoding="utf-8")).body)
     while pending:
         node = pending.pop()
         if isinstance(node, ast.Import | ast.ImportFrom):
-            found |= set(names(node, path))
+            found |= set(of(node, path))
         elif isinstance(node, ast.stmt) and is_type_checking(node):
-            continue
+            pending += node.orelse
         elif lazy or not isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+            found |= set(called_for(node))
             pending += ast.iter_child_nodes(node)
+    return found
+
+
+def files_of(node: ast.Import | ast.ImportFrom, path: Path) -> Iterator[str]:
+    """Modules of ours that a statement needs: `from a import b` needs a.b where that is a module,
+    and what stands in a otherwise."""
+    every = list(names(node, path))
+    members = every[isinstance(node, ast.ImportFrom) :]
+    for name in members:
+        yield name if name in BY_NAME else name.rpartition(".")[0]
+
+
+def circles(graph: dict[str, set[str]]) -> list[set[str]]:
+    """Modules that can come back to themselves: each with all those on its circles."""
+
+    def reached(start: str) -> set[str]:
+        seen: set[str] = set()
+        pending = [start]
+        while pending:
+            new = graph[pending.pop()] - seen
+            seen |= new
+            pending += new
+        return seen
+
+    after = {name: reached(name) for name in graph}
+    found = []
+    for name, beyond in after.items():
+        circle = {other for other in beyond if name in after[other]}
+        if name in beyond and circle not in found:
+            found.append(circle)
     return found
 
 
@@ -111,9 +172,41 @@ def test_the_runtime_imports_no_domain(path) -> None:
     assert not [n for n in imports(path, lazy=True) if within(n, ("domains",))]
 
 
+@pytest.mark.parametrize(
+    ("call", "expected"),
+    [
+        ('importlib.import_module("runtime.solve")', {"runtime.solve"}),
+        ('__import__("domains.blocks")', {"domains.blocks"}),
+        ('import_module(f"sketchlang.cli.{name}")', set(COMMANDS)),
+        ("import_module(name)", set()),
+        ('print("runtime.solve")', set()),
+    ],
+)
+def test_imports_by_name_are_found(call, expected) -> None:
+    assert set(called_for(ast.parse(call, mode="eval").body)) == expected
+
+
+def test_circles_are_found() -> None:
+    graph = {"a": {"b"}, "b": {"c", "d"}, "c": {"b"}, "d": set(), "e": {"e"}}
+    assert circles(graph) == [{"b", "c"}, {"e"}]
+
+
+def test_no_file_is_in_a_circle_of_imports() -> None:
+    """Those inside functions and by `import_module` included; those for types only are not, and
+    neither is that a module's package is imported before it. Domains are found by a name that a
+    sketch, a file or an entry point gives, which is no import of the file that looks."""
+    graph = {
+        name: imports(path, lazy=True, of=files_of) & set(BY_NAME) for name, path in BY_NAME.items()
+    }
+    assert "runtime.robot.derived" in graph["runtime.robot.load"]  # inside a function
+    assert "sketchlang.cli.check" in graph["sketchlang.cli"]  # by a name with a fixed part
+    assert sum(map(len, graph.values())) > 1000
+    assert circles(graph) == []
+
+
 GEOMETRY = tuple(
     f"runtime.{name}"
-    for name in ("kernels", "motion", "pick_place", "robot", "scene", "validation", "plan")
+    for name in ("kernels", "motion", "robot", "world", "judge", "plan", "trace", "physics")
 )
 
 

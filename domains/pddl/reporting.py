@@ -13,9 +13,9 @@ from domains.pddl.replay import Verdict, replay
 from domains.pddl.successors import Successors
 from runtime.reporting import Document, Profile
 from runtime.search.siw_r import Outcome
-from sketchlang import __version__
 from sketchlang.files import write_text
 from sketchlang.model import SketchModel
+from sketchlang.version import __version__
 
 
 @dataclass(frozen=True)

@@ -3,47 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from domains.tabletop.actions.actions import Action, ActionSchema
+from domains.tabletop.actions.actions import ActionSchema
 from domains.tabletop.actions.added import Added
 from domains.tabletop.actions.executability import Executor
 from domains.tabletop.reporting import TabletopReporting
-from domains.tabletop.sampling.samples import Sampler, Samples
+from domains.tabletop.sampling.samples import Sampler
 from domains.tabletop.scene.load import load_scene
 from domains.tabletop.state import State
+from domains.tabletop.subproblem import MAX_SEEDS, SEEDS, TabletopSubproblem
 from domains.tabletop.world import TabletopWorld
-from runtime.motion.motion import Motion
 from runtime.robot.load import DEFAULT_ROBOT, load_robot
-from runtime.search.problem import Rejection
 from runtime.search.profile import Profile
 from sketchlang.domain import LoadOptions
-
-SEEDS = 12
-"""Starting points for inverse kinematics, doubled with each attempt up to ..."""
-
-MAX_SEEDS = 48
-
-
-@dataclass(frozen=True, eq=False)
-class TabletopSubproblem:
-    """The samples of a subproblem, and X on them."""
-
-    samples: Samples
-    executor: Executor
-    seeds: int
-    sampled = True
-
-    def actions(self, state: State) -> list[tuple[Action, State]]:
-        """Sampled ground actions and the states they lead to."""
-        return list(self.samples.actions(state))
-
-    def execute(self, state: State, action: Action) -> Motion | Rejection:
-        """X: the motion of an action, or the step that refused it."""
-        return action.motion(self.executor, state, self.seeds)
 
 
 class TabletopProblem:

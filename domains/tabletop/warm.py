@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from domains.tabletop.actions.executability import Executor
 from domains.tabletop.features import functions
-from domains.tabletop.problem import TabletopProblem
+from domains.tabletop.sampling.samples import Sampler
 from domains.tabletop.scene.boxes import scene_of_boxes, standing_box
 from domains.tabletop.scene.model import (
     Obstacle,
@@ -15,11 +16,13 @@ from domains.tabletop.scene.model import (
     UprightBox,
 )
 from domains.tabletop.state import State
+from domains.tabletop.subproblem import SEEDS, TabletopSubproblem
 from domains.tabletop.world import TabletopWorld
 from runtime.motion import rrt
 from runtime.motion.arm_context import ArmContext
 from runtime.robot.model import RobotModel
-from runtime.search.problem import Rejection, Subproblem
+from runtime.search.problem import Rejection
+from runtime.search.profile import Profile
 
 _WARM: set[str] = set()
 
@@ -29,16 +32,17 @@ def warm_up(robot: RobotModel) -> None:
     if robot.digest in _WARM:
         return
     _WARM.add(robot.digest)
-    problem = TabletopProblem(TabletopWorld.of(_scene(), robot), seed=0)
+    world = TabletopWorld.of(_scene(), robot)
+    executor = Executor(world, 0, Profile())
+    sampler = Sampler(world, executor, ())
     rng = np.random.default_rng(0)
-    state = problem.initial
-    world = problem.world
+    state = world.initial
     for index in range(2):
         functions.obstructions(state, index)
         functions.disturbances(state, index)
     for _ in range(2):
-        subproblem = problem.subproblem(state, 0, rng)
-        found = _first(subproblem, state)
+        samples = sampler.sample(state, 0, rng)
+        found = _first(TabletopSubproblem(samples, executor, SEEDS), state)
         if found is not None:
             state = found
     context = ArmContext(robot, robot.body(0.05), world.statics)
@@ -47,7 +51,7 @@ def warm_up(robot: RobotModel) -> None:
         rrt.shorten(context, np.vstack([path, path[::-1], path]), rng)
 
 
-def _first(subproblem: Subproblem, state: State) -> State | None:
+def _first(subproblem: TabletopSubproblem, state: State) -> State | None:
     """The state after the first move and the first manipulation that are executable."""
     for action, after in subproblem.actions(state):
         if isinstance(subproblem.execute(state, action), Rejection):
@@ -56,7 +60,7 @@ def _first(subproblem: Subproblem, state: State) -> State | None:
             if end.held == after.held:
                 continue
             if not isinstance(subproblem.execute(after, second), Rejection):
-                return end  # type: ignore[no-any-return]
+                return end
     return None
 
 

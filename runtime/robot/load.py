@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from runtime.robot.approach import Derived
 from runtime.robot.file import BUILT_IN, GripperFile, RobotFile, read_robot_file
 from runtime.robot.gripper import FingerPart, Gripper, Hand
 from runtime.robot.model import Chain, PlacedShape, RobotModel
@@ -91,7 +92,15 @@ def build_robot(file: RobotFile) -> RobotModel:
         urdf=urdf,
         urdf_tool=file.tool_link,
         digest=file.digest,
+        derive=_derived,
     )
+
+
+def _derived(robot: RobotModel) -> Derived:
+    """From a cache on disk, where it is known."""
+    from runtime.robot.derived import derived_of  # when it is asked for: it needs the kernels
+
+    return derived_of(robot)
 
 
 def _pairs(

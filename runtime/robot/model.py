@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -82,6 +82,7 @@ class RobotModel:
     Limits in rad or m, velocities and accelerations a second. `pairs` are the parts that are
     tested against each other, `ignored` pairs of links that may touch, `fixed` the values of
     movable joints outside the planning group, `urdf_tool` the link whose frame is the tool.
+    `derive` is asked once for what follows from all this.
     """
 
     name: str
@@ -103,13 +104,12 @@ class RobotModel:
     urdf: Urdf
     urdf_tool: str
     digest: str
+    derive: Callable[[RobotModel], Derived]
 
     @cached_property
     def derived(self) -> Derived:
-        """What kinematics says of the robot; from a cache on disk, where it is known."""
-        from runtime.robot.derived import derived_of  # it asks the kernels
-
-        return derived_of(self)
+        """What kinematics says of the robot."""
+        return self.derive(self)
 
     def approach(self, family: Family) -> Approach:
         """What a hand that comes in by a family sweeps."""

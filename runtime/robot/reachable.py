@@ -16,6 +16,7 @@ from runtime.kernels import ik
 from runtime.kernels.convex import boxes_only
 from runtime.robot.approach import Family, Workspace
 from runtime.robot.model import RobotModel
+from runtime.robot.open_hand import hand_boxes, tools
 from runtime.world.poses import Pose, compose, invert
 from runtime.world.solids import Floats
 
@@ -80,8 +81,6 @@ def wrist_offset_of(robot: RobotModel) -> float:
 
 def below_grasp(robot: RobotModel, family: Family) -> float:
     """Metres that the hand needs below the grasp centre, a little play included."""
-    from runtime.robot.sweeps import hand_boxes
-
     hand, fingers = hand_boxes(robot, family)
     boxes = np.vstack([hand, fingers])
     reach = boxes[:, 4].min()
@@ -94,25 +93,6 @@ def approach_frame(family: Family, x: float, y: float, z: float, heading: float)
     """The approach frame with a heading at a point."""
     c, s = math.cos(heading), math.sin(heading)
     return np.array([[c, -s, 0.0, x], [s, c, 0.0, y], [0.0, 0.0, 1.0, z]])
-
-
-def tools(family: Family, turn: float) -> list[Pose]:
-    """Both ways in which the tool can be in the approach frame. From above, `turn` is the angle
-    between the direction in which the fingers close and the frame's y axis."""
-    match family:
-        case Family.SIDE:
-            x, y = np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])
-        case Family.PINCH:
-            x, y = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
-        case Family.TOP:
-            x = np.array([0.0, 0.0, -1.0])
-            y = np.array([-math.sin(turn), math.cos(turn), 0.0])
-    found = []
-    for side in (y, -y):
-        pose = np.zeros((3, 4))
-        pose[:, :3] = np.column_stack([x, side, np.cross(x, side)])
-        found.append(pose)
-    return found
 
 
 class Prober:

@@ -14,9 +14,9 @@ import numpy as np
 
 from runtime.robot.approach import Approach, Family
 from runtime.robot.model import RobotModel
-from runtime.robot.outline import outline
-from runtime.robot.reachable import Posture, in_frame, tools
-from runtime.world.poses import Pose, apply, compose, invert
+from runtime.robot.open_hand import hand_boxes
+from runtime.robot.reachable import Posture, in_frame
+from runtime.world.poses import Pose, compose
 from runtime.world.solids import Floats
 
 TRAVEL = 0.10
@@ -41,40 +41,6 @@ POSTURES = 200
 
 SLAB = 0.08
 """Metres of one box of the arm, along the way back."""
-
-
-def hand_boxes(robot: RobotModel, family: Family) -> tuple[Floats, Floats]:
-    """Boxes of the hand (h, 6) and of the fingers of one side (f, 6) in the approach frame, at
-    the grasp; the fingers are measured from the face of their pad (`Approach`)."""
-    # Either way in which the hand can be turned: boxes hold both.
-    turned = tools(family, 0.0)
-    back = invert(robot.tool)
-    fingers = {finger.part for finger in robot.finger_parts}
-    hand = []
-    for index, part in enumerate(robot.parts):
-        if part.frame == len(robot.joints) and index not in fingers:
-            cloud = apply(compose(back, part.shape.pose), outline(part.shape.solid))
-            hand.append(_around([apply(tool, cloud) for tool in turned]))
-    opening = robot.gripper.max_opening
-    values = np.array([*robot.gripper.joint_values(opening).values()])
-    sides = dict(robot.gripper.fingers)
-    found = []
-    for finger in robot.finger_parts:
-        # Mirrored to one side, and both flips: z in the tool frame changes its sign.
-        cloud = apply(
-            compose(back, finger.pose(values)), outline(robot.parts[finger.part].shape.solid)
-        )
-        cloud = cloud * (1.0, sides.get(finger.part, 1.0), 1.0) - (0.0, opening / 2, 0.0)
-        flipped = cloud * (1.0, 1.0, -1.0)
-        found.append(_around([apply(turned[0], cloud), apply(turned[0], flipped)]))
-    return np.array(hand).reshape(-1, 6), np.array(found).reshape(-1, 6)
-
-
-def _around(clouds: Sequence[Floats]) -> list[float]:
-    """The box around points, as a row."""
-    points = np.vstack(clouds)
-    pairs = zip(points.min(axis=0).tolist(), points.max(axis=0).tolist(), strict=True)
-    return [value for pair in pairs for value in pair]
 
 
 def _swept(boxes: Floats, family: Family) -> Floats:

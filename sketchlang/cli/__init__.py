@@ -12,9 +12,9 @@ from typing import Any
 import click
 from click.shell_completion import CompletionItem
 
-from sketchlang import __version__
 from sketchlang.cli.last import USAGE, prepare_process, run_group, say_error
 from sketchlang.guard import in_the_way
+from sketchlang.version import __version__
 
 COMMANDS = {
     "check": "Parse a sketch, check its types and rules.",

@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sketchlang import __version__
 from sketchlang.cli import names
 from sketchlang.cli.common import Number, domain_option, fail, interruptible, load_valid, say
 from sketchlang.errors import InputError
 from sketchlang.loader import Loaded, domains_of_file, load_text
 from sketchlang.source import Source
+from sketchlang.version import __version__
 
 if TYPE_CHECKING:
     from sketchlang.analysis.repair import Proposal

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 
 import click
 
-from sketchlang import __version__
 from sketchlang.cli import names
 from sketchlang.cli.common import (
     DEEP,
@@ -25,6 +24,7 @@ from sketchlang.escape import dumps, shown_lines
 from sketchlang.findings import Places
 from sketchlang.model import SketchModel
 from sketchlang.suggest import did_you_mean
+from sketchlang.version import __version__
 
 if TYPE_CHECKING:
     from sketchlang.analysis.limits import Budget

@@ -11,12 +11,12 @@ from pygls.exceptions import JsonRpcInvalidParams
 from pygls.lsp.server import LanguageServer
 from pygls.workspace.position_codec import PositionCodec
 
-from sketchlang import __version__
 from sketchlang.lsp import completion, definition, edits, hover, protocol
 from sketchlang.lsp.state import Document, Workspace
 from sketchlang.lsp.symbols import Occurrence, at
 from sketchlang.source import Source, Span
 from sketchlang.syntax import tree
+from sketchlang.version import __version__
 
 PAUSE = 0.01
 """Seconds without a change after which a text is checked: whoever types goes on typing."""

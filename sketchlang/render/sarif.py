@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from typing import Any
 from urllib.parse import quote
 
-from sketchlang import __version__
 from sketchlang.diagnostics import Diagnostic, Label
 from sketchlang.escape import dumps
 from sketchlang.pages import pages
+from sketchlang.version import __version__
 
 SCHEMA = (
     "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"

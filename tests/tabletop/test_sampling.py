@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 from domains.tabletop.actions.actions import MoveBase, Pick, Place
-from domains.tabletop.problem import TabletopProblem, TabletopSubproblem
+from domains.tabletop.problem import TabletopProblem
 from domains.tabletop.state import SIDE, BasePose, Grasp, Placement, State
+from domains.tabletop.subproblem import TabletopSubproblem
 from domains.tabletop.world import TabletopWorld
 from runtime.judge.contacts import Exact, Track
 from runtime.judge.skeleton import Skeleton

@@ -14,6 +14,7 @@ from functools import cached_property
 from typing import Any
 
 from domains.pddl.features import quantifiers, relations, rows
+from domains.pddl.features.called import function_of
 from domains.pddl.features.rows import Mask, Rows, bits_of
 from domains.pddl.features.sources import Changing, Source, source
 from domains.pddl.ground.task import GroundTask
@@ -101,7 +102,7 @@ class Compiler:
             if node.kind == "feature":
                 assert isinstance(node.value, int)
                 found |= self.feature_masks[node.value]
-            function = _function(node)
+            function = function_of(node)
             if function is not None:
                 meaning = self.meanings[function]
                 if meaning.kind == "predicate":
@@ -153,7 +154,7 @@ class Compiler:
             slot = value + (1 if kind == "variable" else self.first_feature)
             return lambda frame: frame[slot]
         if kind in ("call", "image"):
-            function = _function(node)
+            function = function_of(node)
             assert function is not None
             meaning = self.meanings[function]
             if meaning.kind == "type":
@@ -319,13 +320,6 @@ def _folded(parts: list[Run], both: Callable[[Rows, Rows], Rows]) -> Run:
         return found
 
     return run
-
-
-def _function(node: Node) -> Function | None:
-    if node.kind == "call":
-        assert isinstance(node.value, Function)
-        return node.value
-    return node.value[0] if node.kind == "image" else None  # type: ignore[index]
 
 
 def _has_features(node: Node) -> bool:

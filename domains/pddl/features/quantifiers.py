@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from domains.pddl.features.called import function_of
 from domains.pddl.features.rows import Mask, bits_of
 from sketchlang.check.typed import ONE, OPEN, Node
 
@@ -153,9 +154,7 @@ def _joined(kind: str, parts: list[Run]) -> Run:
 
 def _of_predicate(compiler: Compiler, node: Node, level: int) -> Run | None:
     """A predicate with the variable in one place, which is left open instead."""
-    from domains.pddl.features.compiler import _function
-
-    function = _function(node)
+    function = function_of(node)
     assert function is not None
     places = [place for place, part in enumerate(node.parts) if level in part.free]
     if len(places) != 1 or not _is(node.parts[places[0]], level):

@@ -6,8 +6,8 @@ from domains.tabletop.world import TabletopWorld
 from runtime.motion import timing
 from runtime.plan.model import Plan, PlanAction, PlanSubgoal
 from runtime.search.siw_r import Outcome
-from sketchlang import __version__
 from sketchlang.model import SketchModel
+from sketchlang.version import __version__
 
 
 def document(

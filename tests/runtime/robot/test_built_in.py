@@ -14,7 +14,8 @@ from runtime.motion.base import footprint
 from runtime.robot.approach import Family
 from runtime.robot.check import check_robot
 from runtime.robot.load import built_in_robots, load_robot, robot_path
-from runtime.robot.reachable import approach_frame, tools
+from runtime.robot.open_hand import tools
+from runtime.robot.reachable import approach_frame
 from runtime.world.poses import compose
 
 NAMES = built_in_robots()

@@ -13,8 +13,9 @@ from runtime.robot import derived as module
 from runtime.robot.approach import Family, Workspace
 from runtime.robot.derived import cache_folder, derive, derived_of
 from runtime.robot.load import load_robot
+from runtime.robot.open_hand import tools
 from runtime.robot.outline import outline
-from runtime.robot.reachable import approach_frame, shoulder_of, tools, wrist_offset_of
+from runtime.robot.reachable import approach_frame, shoulder_of, wrist_offset_of
 from runtime.robot.sweeps import TRAVEL
 from runtime.world.poses import Pose, apply, compose, invert
 from tests.runtime.robot.robots import TOML, write_robot
