@@ -230,14 +230,17 @@ def test_a_name_that_is_too_long_for_a_file_is_an_unknown_scene() -> None:
 
 
 def test_scenes_of_another_domain_are_refused() -> None:
-    assert "[[table]]" in bad("pick_and_place", "delivery/one")
+    said = bad("pick_and_place", "delivery/one")
+    assert "delivery/scenes/one.toml:2: unknown key 'map'" in said
+    assert "the key 'robot_start' is missing" in said
 
 
 def test_an_object_in_a_table_is_refused_with_place_and_hint(tmp_path) -> None:
     scene = write_scene(tmp_path, SCENE.replace("at = [0.7, 0.5]", "at = [0.7, 0.5]\nbottom = 0.5"))
     said = bad("pick_and_place", str(scene))
-    assert f"{scene}: [[object]] blue1" in said
-    assert "inside 'left'" in said
+    line = 1 + scene.read_text().splitlines().index("bottom = 0.5")
+    assert f"{scene}:{line}: [[object]] blue1: bottom: " in said
+    assert "objects on 'left' rest at 0.767 m, not 0.5 m" in said
     assert "hint: " in said
 
 

@@ -188,11 +188,9 @@ def _of_rows(compiler: Compiler, node: Node, level: int) -> Run | None:
 
 def _row_source(compiler: Compiler, node: Node, level: int) -> Source | None:
     """The predicate `p` of `p(x, _)`, where `x` is the variable of a level; None for others."""
-    from domains.pddl.features.compiler import _function
-
     if node.kind != "image" or len(node.parts) != 1 or not _is(node.parts[0], level):
         return None
-    function = _function(node)
+    function = function_of(node)
     assert function is not None
     pattern = node.value[1]  # type: ignore[index]
     return compiler.source(compiler.meanings[function]) if pattern == (ONE, OPEN) else None
