@@ -10,14 +10,13 @@ import re
 from collections.abc import Callable, Collection, Hashable, Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from domains.pddl.features.compiler import Meaning
 from domains.pddl.features.evaluator import Evaluator
 from domains.pddl.features.rows import bits_of
 from domains.pddl.features.sources import source
 from domains.pddl.ground.task import GroundTask, ground
-from domains.pddl.problem import PddlProblem
 from domains.pddl.state import State
 from domains.pddl.syntax.lists import PddlError
 from domains.pddl.syntax.model import OBJECT, Parameter, PddlDomain
@@ -28,6 +27,9 @@ from sketchlang.errors import InputError
 from sketchlang.source import Span
 from sketchlang.syntax.grammar import words
 from sketchlang.types import BOOL, NAT, Type
+
+if TYPE_CHECKING:
+    from domains.pddl.problem import PddlProblem
 
 OPEN_GOALS = "open_goals"
 """The function that every PDDL domain has, unless a name of its own takes its place."""
@@ -272,6 +274,8 @@ def domain_beside(task: str | Path) -> Path:
     """
     path = Path(task)
     stem = path.stem
+    if not path.exists():
+        raise InputError("no such file", place=str(task))
     names = ("domain.pddl", f"{stem}-domain.pddl", f"domain-{stem}.pddl", f"domain_{stem}.pddl")
     for name in names:
         if path.with_name(name).is_file():
@@ -290,5 +294,7 @@ def load_problem(domain: PddlInterface, path: str) -> PddlProblem:
         PddlError: what is wrong with it, and where.
         InputError: the task is too large.
     """
+    from domains.pddl.problem import PddlProblem
+
     assert domain.pddl is not None
     return PddlProblem(ground(read_task(load(path), domain.pddl)))

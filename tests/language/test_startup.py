@@ -6,6 +6,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 from benchmarks import check_time
 
 ROOT = Path(__file__).parents[2]
@@ -24,9 +26,10 @@ ALLOWED = {"click", "domains", "grammars", "lark", "runtime", "sketchlang"}
 SITE = {"_distutils_hack", "sitecustomize", "usercustomize"}
 
 
-def test_what_check_imports() -> None:
+@pytest.mark.parametrize("sketch", ["pick_and_place", "driverlog/driverlog"])
+def test_what_check_imports(sketch: str) -> None:
     done = subprocess.run(
-        [sys.executable, "-c", SCRIPT, "check", "domains/pick_and_place.sketch"],
+        [sys.executable, "-c", SCRIPT, "check", f"domains/{sketch}.sketch"],
         capture_output=True,
         text=True,
         cwd=ROOT,

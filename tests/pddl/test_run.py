@@ -80,6 +80,9 @@ def test_what_is_wrong_has_a_place(street: Path) -> None:
     assert status == 2
     assert "task.pddl:3:82: there is no predicate `att`" in error
     assert "Did you mean `at`?" in error
+    status, _, error = call("run", street / "lamps.sketch", street / "nowhere.pddl")
+    assert status == 2
+    assert "no such file" in error
     (street / "domain.pddl").rename(street / "other.pddl")
     status, _, error = call("run", street / "lamps.sketch", broken)
     assert status == 2
