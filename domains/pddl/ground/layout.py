@@ -99,10 +99,10 @@ def object_order(task: PddlTask, atoms: Mapping[str, Iterable[Values]]) -> list[
         for values in found:
             for place, value in enumerate(values):
                 places[value].add((predicate, place))
+    numbers = {thing.name: i for i, thing in enumerate(task.objects)}
     for name, *terms in task.init:
         if name not in atoms and len(terms) == 1:
-            number = next(i for i, thing in enumerate(task.objects) if thing.name == terms[0])
-            places[number].add((name, -1))
+            places[numbers[terms[0]]].add((name, -1))
 
     def key(number: int) -> tuple[object, ...]:
         lineages = sorted(_lineage(task, type_) for type_ in task.objects[number].types)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 
 from sketchlang.source import Source, Span
 
@@ -115,6 +116,14 @@ class PddlDomain:
 
     def above(self, name: str) -> frozenset[str]:
         """A type and all those above it."""
+        found = self._above.get(name)
+        return found if found is not None else frozenset((name, OBJECT))
+
+    @cached_property
+    def _above(self) -> dict[str, frozenset[str]]:
+        return {name: self._lineage(name) for name in (*self.types, OBJECT)}
+
+    def _lineage(self, name: str) -> frozenset[str]:
         found: set[str] = set()
         todo = [name]
         while todo:
