@@ -223,9 +223,12 @@ class PddlSubproblem:
 def atom_mask(families: tuple[Callable[[State], Iterable[Any]], ...], task: GroundTask) -> int:
     """The bits of the atoms that novelty is about: what the families list of a state in which
     everything is true."""
-    full = State((1 << task.layout.size) - 1, task)
-    found = 0
-    for family in families:
-        for bit in family(full):
-            found |= 1 << bit
+    found: int | None = task.memory.get(families)
+    if found is None:
+        full = State((1 << task.layout.size) - 1, task)
+        found = 0
+        for family in families:
+            for bit in family(full):
+                found |= 1 << bit
+        task.memory[families] = found
     return found

@@ -56,5 +56,6 @@ def test_a_sketch_is_found_for_a_folder(tmp_path: Path) -> None:
     for name in ("barman-sat11-strips", "somewhere"):
         (tmp_path / name).mkdir()
         (tmp_path / name / "domain.pddl").write_text("(define (domain child-snack))")
+        (tmp_path / name / "p1.pddl").touch()
     assert bench.sketch_for(tmp_path / "barman-sat11-strips" / "p1.pddl") == "barman"
     assert bench.sketch_for(tmp_path / "somewhere" / "p1.pddl") == "childsnack"

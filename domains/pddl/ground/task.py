@@ -74,7 +74,7 @@ class GroundTask:
     goal: tuple[Condition, ...]
     goal_atoms: Mapping[str, frozenset[Values]]
     operators: tuple[Operator, ...]
-    memory: dict[int, Any] = field(default_factory=dict, repr=False)
+    memory: dict[object, Any] = field(default_factory=dict, repr=False)
 
     def number(self, name: str) -> int:
         """The number of an object."""
