@@ -169,7 +169,7 @@ class PddlSubproblem:
                 after = operator.apply(bits)
                 now = true(after)
                 if not is_new(known, now):
-                    if first:
+                    if first and after != bits:
                         stale.setdefault(after, operator)
                     continue
                 state = State(after, task)
