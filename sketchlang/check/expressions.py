@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from sketchlang.check.builtins import BuiltinTyper
 from sketchlang.check.calls import Binding, Scope, a
-from sketchlang.check.sets import SetTyper
 from sketchlang.check.typed import Node
 from sketchlang.diagnostics import Label
 from sketchlang.source import Span
@@ -20,7 +20,7 @@ _OPERATION = {"->": BOOL, "or": BOOL, "and": BOOL, "not": BOOL, "+": NAT}
 _MIRROR = {">": "<", ">=": "<="}
 
 
-class Typer(SetTyper):
+class Typer(BuiltinTyper):
     """Turns expressions into nodes."""
 
     def expect(self, expr: tree.Expr, wanted: Type, what: str, scope: Scope) -> Node:
