@@ -283,6 +283,7 @@ def test_an_object_that_fell_on_its_side_ends_it_untouched(seed: int, monkeypatc
     assert not verdict.touches
 
 
+@pytest.mark.slow
 def test_a_subplan_that_was_broken_off_reached_what_was_sensed(monkeypatch) -> None:
     """And each of its actions is recorded once, with the time that it took."""
     loop = closed_loop("failed-grasp", 1)

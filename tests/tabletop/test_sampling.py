@@ -105,6 +105,7 @@ def test_sampled_base_poses_are_free_of_contact(crowded) -> None:
     }
     base = np.array(sorted(poses))
     assert len(base) > 20
+    base = base[:: math.ceil(len(base) / 60)]  # exact geometry takes its time
     q = np.tile(task.robot.home, (len(base), 1))
     links = skeleton.transforms(base, q, task.robot.gripper.max_opening)
     robot = skeleton.tracks(links)

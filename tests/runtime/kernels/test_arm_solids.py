@@ -105,7 +105,7 @@ def test_collisions_are_the_contacts_that_fcl_sees(robot, parts, rng) -> None:
 def test_paths_that_pass_keep_half_the_margin_in_between(robot, parts, rng) -> None:
     body, solids = parts
     margin, free, refused = 0.01, 0, 0
-    for _ in range(16):
+    for _ in range(8):
         scene = Scene(rng, 3)
         context = ArmContext(robot, body, scene.obstacles)
         path = np.array([rng.uniform(robot.lower, robot.upper) for _ in range(2)])

@@ -51,7 +51,7 @@ def test_drives_and_lanes_are_free_of_contact(robot, rng) -> None:
     bare = Roads.of(robot, body, fixed)
     roads, lanes, narrowed = bare.among(posts, None), 0, 0
     stands = [(1.4, 0.0, 0.0), (-0.2, -1.6, 1.0), (1.3, 0.0, 0.0), (0.4, 1.8, 0.0)]
-    stands += [(x, y, yaw) for x, y, yaw in rng.uniform((-2, -2, 0), (0.8, 2, 6), (30, 3))]
+    stands += [(x, y, yaw) for x, y, yaw in rng.uniform((-2, -2, 0), (0.8, 2, 6), (16, 3))]
     everything = np.vstack([fixed, posts])
     for start, goal in itertools.pairwise(stands):
         poses = roads.route(start, goal)

@@ -288,7 +288,9 @@ def test_what_cannot_be_read_ends_with_2(tmp_path, content) -> None:
 @pytest.mark.parametrize(
     ("urdf", "options"),
     [
-        ("franka_panda/panda.urdf", ["--tool", "panda_grasptarget"]),
+        pytest.param(
+            "franka_panda/panda.urdf", ["--tool", "panda_grasptarget"], marks=pytest.mark.slow
+        ),
         ("kuka_iiwa/model.urdf", ["--tool", "lbr_iiwa_link_7", "--gripper", "two_finger"]),
     ],
 )
