@@ -8,10 +8,24 @@ SCENE  ?= sorting/4t-07
 SECONDS ?= 600
 SEED   ?= 0
 
-.PHONY: demo test lint check slow fuzz lock clean help vscode
+# Tests run in a process a core, four at most: each of them holds compiled kernels.
+PYTEST := $(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist worksteal
+
+# One or two files of each room, of those that answer at once.
+QUICK  := tests/test_architecture.py tests/spec tests/language/test_cli.py \
+          tests/language/test_domain.py tests/analysis/test_known.py \
+          tests/analysis/test_elimination.py tests/analysis/test_coverage.py \
+          tests/pddl/test_semantics.py tests/pddl/test_run.py tests/tabletop/test_state.py \
+          tests/tabletop/test_items.py tests/tabletop/test_words.py \
+          tests/tabletop/scene/test_load.py tests/runtime/search tests/runtime/robot/test_load.py \
+          tests/runtime/world/test_tops.py tests/runtime/judge/test_replay.py \
+          tests/runtime/plan/test_version_1.py tests/trust/test_reading.py
+
+.PHONY: demo quick test lint check slow fuzz lock clean help vscode
 
 help:
 	@echo "make demo   plan a sorting scene, certify the plan, write a page to watch it (SCENE=...)"
+	@echo "make quick  the first answer: ruff and a few tests of each room, in seconds"
 	@echo "make test   all fast tests"
 	@echo "make slow   end-to-end tests that take minutes"
 	@echo "make fuzz   damaged files of every format, for ten minutes (SECONDS=..., SEED=...)"
@@ -33,11 +47,15 @@ demo: $(READY)
 	$(BIN)/sketchlang replay out/plan.json --html out/replay.html
 	@echo "to watch it, open out/replay.html in a browser"
 
+quick: $(READY)
+	$(BIN)/ruff check --quiet .
+	$(PYTEST) $(QUICK)
+
 test: $(READY)
-	$(BIN)/python -m pytest
+	$(PYTEST)
 
 slow: $(READY)
-	$(BIN)/python -m pytest -m slow
+	$(PYTEST) -m slow
 
 fuzz: $(READY)
 	$(BIN)/python -m tests.fuzz --seconds $(SECONDS) --seed $(SEED)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Callable, Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -65,11 +66,16 @@ def called_for(node: ast.AST) -> Iterator[str]:
             yield from (name for name in BY_NAME if name.startswith(start))
 
 
+@cache
+def parsed(path: Path) -> ast.Module:
+    return ast.parse((ROOT / path).read_text(encoding="utf-8"))
+
+
 def imports(path: Path, lazy: bool, of: Reader = names) -> set[str]:
     """What a file imports: when it is loaded, or with `lazy` at any time; never for types only.
     `of` are the names of a statement."""
     found: set[str] = set()
-    pending: list[ast.AST] = list(ast.parse((ROOT / path).read_text(encoding="utf-8")).body)
+    pending: list[ast.AST] = list(parsed(path).body)
     while pending:
         node = pending.pop()
         if isinstance(node, ast.Import | ast.ImportFrom):
