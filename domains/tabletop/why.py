@@ -66,6 +66,10 @@ def _hopeless(
         return _finding(item.name, "cannot be grasped", f"{item.name} {cannot}")
     resting = state.placements[index]
     assert resting is not None
+    ground = world.grounds[goal.support]
+    if goal.region is not None and not problem.sampler.placements.has_room(ground, index):
+        text = f"{item.name} does not fit on {ground.name}: it is larger than the room there"
+        return _finding(item.name, "does not fit", text)
     here = arrangement(world, state.placements)
     alone = replace(
         state, placements=tuple(p if i == index else None for i, p in enumerate(state.placements))

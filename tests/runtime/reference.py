@@ -214,7 +214,7 @@ def barred_headings(
     bottom, top = box[:, 2].min() - site[2], box[:, 2].max() - site[2]
     beside = point_distance(row, site[0], site[1]) >= own[0] + play
     above_or_below = bottom >= own[1] - level or top <= level
-    # What is out of reach is not looked at.
+    # Seen along a heading a box counts as a larger, upright one: out of reach it does not.
     reach = np.hypot(*np.abs(hand[:, :4]).reshape(-1, 2, 2).max(axis=2).T).max()
     if point_distance(row, site[0], site[1]) > reach + np.abs(hold).sum(axis=1).max():
         return set()
@@ -232,14 +232,7 @@ def barred_headings(
                 axis = int(volume[6])
                 lower[axis] -= half
                 upper[axis] += half
-            sides = frame.T @ np.array([[row[6], -row[7], 0.0], [row[7], row[6], 0.0], [0, 0, 1.0]])
-            spans = [(lower[i], upper[i]) for i in (0, 1)]
-            hand_box = np.array([[x, y, 0.0] for x in spans[0] for y in spans[1]])
-            apart = False  # along a side of the box, its corners on one side, the hand on the other
-            for axis in (sides[:, 0], sides[:, 1]):
-                own_side, other = seen @ axis, hand_box @ axis
-                apart |= own_side.max() <= other.min() or own_side.min() >= other.max()
-            if (low < upper).all() and (high > lower).all() and not apart:
+            if (low < upper).all() and (high > lower).all():
                 barred.add(k)
     return barred
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from domains.tabletop.hand import Hand
 from domains.tabletop.items import Item
-from domains.tabletop.state import Grasp
+from domains.tabletop.state import TOP, Grasp
 from runtime.kernels import ik
 from runtime.kernels.convex import Obstacles
 from runtime.motion.arm_context import CONTACT_MARGIN, ArmContext
@@ -26,6 +26,9 @@ from runtime.world.poses import Pose, compose, invert
 
 APPROACH = 0.10
 """Metres of the straight line in; the fingers are clear of the object behind it."""
+
+HEADROOM = 0.01
+"""Metres above others of its height to which something is drawn out."""
 
 LIFT = 0.03
 LINE_STEP = 0.02
@@ -53,10 +56,12 @@ class Reach:
 @dataclass(frozen=True, eq=False)
 class Grip:
     """What a grasp means for the fingers, whatever the place: how far they are apart before
-    they close and then, metres."""
+    they close and then, and how far the hand draws back with the object, best first; metres.
+    From among others of its height it is drawn out upwards as a whole."""
 
     opening: float
     closed: float
+    retreats: tuple[float, ...] = (APPROACH,)
 
 
 def grip_of(item: Item, hand: Hand, grasp: Grasp) -> Grip | None:
@@ -65,7 +70,9 @@ def grip_of(item: Item, hand: Hand, grasp: Grasp) -> Grip | None:
     if hold is None or not hold.fits[0]:
         return None
     width = float(hold.width[0])
-    return Grip(min(width + 2 * hand.clearance, hand.max_opening), width)
+    tall = item.size[2] + HEADROOM
+    retreats = (tall, APPROACH) if grasp.family == TOP and tall > APPROACH else (APPROACH,)
+    return Grip(min(width + 2 * hand.clearance, hand.max_opening), width, retreats)
 
 
 def held_parts(item: Item, tool: Pose) -> tuple[Part, ...]:
@@ -172,8 +179,7 @@ class ReachSolver:
     ) -> Reach | None:
         """The lines in, up and out through a free configuration at the grasp."""
         robot = self.robot
-        back = -APPROACH * target[:, 0]
-        out = self.line(target, back, q)
+        out = self.line(target, -APPROACH * target[:, 0], q)
         if out is None or not empty.path_is_free(out, CONTACT_MARGIN):
             return None
         full = ArmContext(robot, robot.body(grip.closed, held), others)
@@ -183,12 +189,13 @@ class ReachSolver:
             return None
         lifted = target.copy()
         lifted[:, 3] += up
-        retreat = self.line(lifted, back, lift[-1])
-        if retreat is None:
-            return None
-        if not full.path_is_free(np.vstack([lift, retreat[1:]]), CONTACT_MARGIN):
-            return None
-        return Reach(out[::-1].copy(), lift, retreat, grip.opening, grip.closed)
+        for length in grip.retreats:
+            retreat = self.line(lifted, -length * target[:, 0], lift[-1])
+            if retreat is not None and full.path_is_free(
+                np.vstack([lift, retreat[1:]]), CONTACT_MARGIN
+            ):
+                return Reach(out[::-1].copy(), lift, retreat, grip.opening, grip.closed)
+        return None
 
     def line(self, target: Pose, offset: Floats, start: Floats) -> Floats | None:
         """Configurations that move the tool on a straight line from the target pose."""

@@ -51,7 +51,8 @@ def barred_headings(sx, sy, sz, hold, height, own, box, hand, reach):  # type: i
     """Bits of the headings along which an upright box bars the way to an object at a site.
 
     `own` is the inner radius and the height of that object: where the box stands in its place,
-    it bars all. `reach` bounds how far from the site a box can matter.
+    it bars all. `reach` bounds how far from the site a box can matter. In the frame of an
+    approach the box counts as the smallest box around it.
     """
     distance = point_distance(box, sx, sy)
     if distance > reach:
@@ -85,27 +86,10 @@ def barred_headings(sx, sy, sz, hold, height, own, box, hand, reach):  # type: i
                 and aside - half_aside < hand[v, 3] + wider
                 and high > hand[v, 4] - taller
                 and low < hand[v, 5] + taller
-                and _rectangles_meet(
-                    hand[v, 0], hand[v, 1], hand[v, 2] - wider, hand[v, 3] + wider,
-                    along, aside, box[3], box[4], c * box[6] + s * box[7], c * box[7] - s * box[6],
-                )
-            ):  # fmt: skip
+            ):
                 bits |= 1 << k
                 break
     return bits
-
-
-@njit(cache=True, inline="always")
-def _rectangles_meet(x0, x1, y0, y1, cx, cy, hx, hy, c, s):  # type: ignore[no-untyped-def]
-    """Whether the sides of a turned rectangle at (cx, cy), of half extents hx and hy, keep it from
-    the rectangle x0..x1, y0..y1; the sides of that one are known not to."""
-    dx = 0.5 * (x0 + x1) - cx
-    dy = 0.5 * (y0 + y1) - cy
-    wx = 0.5 * (x1 - x0)
-    wy = 0.5 * (y1 - y0)
-    if abs(c * dx + s * dy) >= hx + wx * abs(c) + wy * abs(s):
-        return False
-    return abs(c * dy - s * dx) < hy + wx * abs(s) + wy * abs(c)
 
 
 @njit(cache=True)

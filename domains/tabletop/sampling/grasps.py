@@ -7,7 +7,12 @@ import math
 import numpy as np
 
 from domains.tabletop.features import swept
-from domains.tabletop.features.functions import arrangement, misplaced, obstructions
+from domains.tabletop.features.functions import (
+    arrangement,
+    disturbances,
+    misplaced,
+    obstructions,
+)
 from domains.tabletop.features.swept import HEADINGS, STEP
 from domains.tabletop.sampling.draw import GRASPS, Draw, pick_headings
 from domains.tabletop.state import Grasp, State
@@ -56,7 +61,7 @@ class GraspSampler:
         hold = world.hold(index, family, at[3])
         free = here.free_headings(index, family)
         if not free:
-            if attempt == 0:
+            if not draw.doubting:
                 return []
             # The estimate may be wrong: try what geometry allows at all.
             free = int(here.picks[family].reachable[index])
@@ -120,23 +125,33 @@ class GraspSampler:
                     grasps.append(item.grasp(hold, k, angle, flipped))
         return [(index, tuple(grasps))]
 
+    def ready(self, state: State) -> frozenset[int]:
+        """Misplaced objects that nothing obstructs and that would disturb nothing."""
+        return frozenset(
+            i
+            for i in misplaced(state)
+            if obstructions(state, i) == 0 and disturbances(state, i) == 0
+        )
+
     def _relevant(self, draw: Draw) -> list[int]:
-        """Misplaced objects and those in their way, nearest first; all after a failure."""
+        """Misplaced objects that nothing obstructs or disturbs, then other misplaced ones and
+        those in their way, the nearest first; all after a failure."""
         world, state = self.world, draw.state
         here = arrangement(world, state.placements)
         standing = [i for i in range(len(state.placements)) if here.present[i]]
+        wrong = misplaced(state)
+        blocked = {i for i in wrong if obstructions(state, i) > 0}
+        ready = self.ready(state)
         if draw.attempt == 0:
-            wrong = misplaced(state)
             relevant = set(wrong)
-            for index in wrong:
+            for index in blocked:
                 goal = world.goal_sites(index, here)
-                if goal is not None and obstructions(state, index) > 0:
+                if goal is not None:
                     relevant |= set(here.in_the_way(index, goal))
             standing = [i for i in standing if i in relevant]
         x, y, _ = state.base.pose
-        nearest = sorted(
-            standing, key=lambda i: (here.sites[i, 0] - x) ** 2 + (here.sites[i, 1] - y) ** 2
-        )
+        away = (here.sites[:, 0] - x) ** 2 + (here.sites[:, 1] - y) ** 2
+        nearest = sorted(standing, key=lambda i: (i not in ready, away[i]))
         return nearest[:NEAREST] if draw.attempt == 0 else nearest
 
 

@@ -241,6 +241,12 @@ class PlacementSampler:
         chosen = fitting or (turns if desperate else [])
         return chosen[int(draw.rng.integers(len(chosen)))] if chosen else None
 
+    def has_room(self, ground: Ground, index: int) -> bool:
+        """Whether an object fits on a support at all, and below what is above that."""
+        spans, _ = self._room(ground, index)
+        tall = self.world.items[index].size[2]
+        return spans is not None and tall <= ground.clearance - PLACING_INSET
+
     def _room(self, ground: Ground, index: int) -> tuple[list[float] | None, list[float] | None]:
         """Half the room for the middle of an object on a support, along its x and y; and the
         headings that fit, where not all do: a long thing lies along the sides."""

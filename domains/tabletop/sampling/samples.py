@@ -17,6 +17,9 @@ from domains.tabletop.sampling.placements import PlacementSampler
 from domains.tabletop.state import BasePose, Grasp, Placement, State
 from domains.tabletop.world import TabletopWorld
 
+READY = 2
+"""Base poses for an object that is ready to go, for one of any other."""
+
 REGRASP_PLACES = 4
 """Places at which the held object may be put down to grip it anew."""
 
@@ -79,10 +82,11 @@ class Sampler:
         wanted: list[Wanted] = []
         if state.held is None:
             picks = self.grasps.picks(draw)
-            wanted += [
-                (index, [(state.placements[index], grasp) for grasp in grasps])
-                for index, grasps in picks
-            ]
+            ready = self.grasps.ready(state)
+            for index, grasps in picks:
+                targets = [(state.placements[index], grasp) for grasp in grasps]
+                # What is ready to go deserves more places to stand than what is in its way.
+                wanted += [(index, targets)] * (READY if index in ready else 1)
             places, largest = self.placements.anywhere(draw) if draw.doubting else ([], 0)
             wanted += [(largest, [(p, Grasp.of(0.0, 0.0))]) for p in places]
         else:
