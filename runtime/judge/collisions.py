@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,7 +13,8 @@ from runtime.judge.skeleton import Skeleton
 from runtime.world.world import FLOOR
 
 BELOW = 1e-4
-"""Metres below the floor that nothing is."""
+"""Metres below the floor that nothing is. The foot of a fixed robot may be as deep in what it is
+bolted to: meshes do not end exactly at the plane that they are mounted on."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +38,7 @@ def first_collision(
     """The earliest contact that must not be, the floor's included. `hand` are the links that
     may touch what is held or guided."""
     arm = [track for track in crowd.robot if track.owner not in hand]
-    pairs = close_pairs(crowd.robot, crowd.standing)
+    pairs = close_pairs([_bolted(skeleton, track) for track in crowd.robot], crowd.standing)
     pairs += [
         (a, b)
         for i, a in enumerate(crowd.robot)
@@ -52,6 +53,16 @@ def first_collision(
     swinging = [track for track in crowd.robot if skeleton.rigid[track.owner]]
     hits = [exact.first_hit(pairs), _below_the_floor([*swinging, *moved])]
     return min((hit for hit in hits if hit is not None), key=lambda h: h.sample, default=None)
+
+
+def _bolted(skeleton: Skeleton, track: Track) -> Track:
+    """A solid of the robot as it is tested against what stands: that of a fixed robot's foot a
+    little higher."""
+    if skeleton.robot.base.type != "fixed" or skeleton.rigid[track.owner]:
+        return track
+    poses = track.poses.copy()
+    poses[:, 2, 3] += BELOW
+    return replace(track, poses=poses)
 
 
 def _below_the_floor(tracks: Sequence[Track]) -> Hit | None:

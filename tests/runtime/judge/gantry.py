@@ -1,7 +1,8 @@
 """A gantry that hangs over a table, and plans for it that are written by hand.
 
 Its three joints are the place of the grasp centre; the hand points down, its fingers close
-along y. So a plan is a list of places, and every number in it can be checked by eye.
+along y. So a plan is a list of places, and every number in it can be checked by eye. One of the
+posts that bear it stands in a corner within reach.
 """
 
 from __future__ import annotations
@@ -31,9 +32,12 @@ AIR = 0.002
 TOP = 0.4
 CUBE = 0.04
 HOME = (0.0, 0.0, 1.0)
+POST = (-1.2, 1.2)
 
 URDF = """<robot name="gantry">
-  <link name="rail"/><link name="trolley"/>
+  <link name="rail"><collision><origin xyz="-1.2 1.2 0.6"/><geometry><box size="0.1 0.1 1.2"/>
+    </geometry></collision></link>
+  <link name="trolley"/>
   <link name="bridge"><collision><origin xyz="0 0 1.7"/><geometry><box size="0.2 4 0.05"/>
     </geometry></collision></link>
   <link name="mast"><collision><origin xyz="0 0 0.57"/><geometry><box size="0.02 0.02 1.0"/>

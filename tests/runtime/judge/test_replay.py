@@ -18,6 +18,8 @@ from runtime.world.world import Fixed, Movable
 from tests.runtime.judge.gantry import (
     AIR,
     CUBE,
+    HOME,
+    POST,
     TOP,
     Script,
     block,
@@ -28,6 +30,8 @@ from tests.runtime.judge.gantry import (
     thing,
     top_of,
 )
+
+ROBOT_LINKS = ("mast", "hand", "left", "right")
 
 GRIP = 0.02
 """Metres above the bottom of a cube at which it is gripped."""
@@ -78,6 +82,34 @@ def test_the_hand_must_not_go_into_the_floor() -> None:
     script = Script(table_world(cube("a", 0, 0))).to(0.8, 0, 1.0)
     assert script.to(0.8, 0, 0.011).fault() == "the arm is not in its home posture at the end"
     assert "hits the floor" in script.to(0.8, 0, 0.005).fault()
+
+
+def test_the_arm_must_not_go_through_the_robots_own_base() -> None:
+    """The hand passes the gantry's post at a distance, then goes through it; nothing else is
+    near."""
+    x, y = POST
+    beside = Script(table_world(cube("a", 0, 0))).to(0.0, y - 0.2, 1.0).to(x, y - 0.2, 1.0)
+    assert beside.fault() == "the arm is not in its home posture at the end"
+    through = Script(table_world(cube("a", 0, 0))).to(0.0, y, 1.0).to(x - 0.2, y, 1.0).to(*HOME)
+    assert through.fault().split(" (")[0] in {f"{link} hits rail" for link in ROBOT_LINKS}
+
+
+def test_what_is_held_must_not_go_through_the_robots_own_base() -> None:
+    """A long rod is led past the post: its end goes through, the hand keeps half a metre."""
+    x, y = POST
+    rod = thing("rod", (1.0, CUBE, CUBE), 0, 0, level(0))
+    held = Script(table_world(rod)).over(0, 0, level(0) + GRIP).take("rod", CUBE).to(0, 0, 0.8)
+    assert "rod hits rail" in held.to(x + 0.3, 0, 0.8).to(x + 0.3, y, 0.8).fault()
+
+
+def test_what_is_held_must_not_touch_what_is_fixed() -> None:
+    """A long rod is led past a post of the room: the robot itself keeps clear of it."""
+    pole = Fixed("pole", block((0.05, 0.05, 0.3)), upright(0.3, 0.3, TOP + AIR, 0))
+    rod = thing("rod", (0.8, CUBE, CUBE), 0, 0, level(0))
+    world = table_world(rod, fixed=[pole])
+    assert Script(world).to(0, 0, 0.5).to(0, 0.4, 0.5).home().fault() == ""
+    held = Script(world).over(0, 0, level(0) + GRIP).take("rod", CUBE).to(0, 0, 0.5)
+    assert "rod hits pole" in held.to(0, 0.4, 0.5).fault()
 
 
 # -- what stands on what -----------------------------------------------------------------------
