@@ -20,7 +20,7 @@ from runtime.robot.sweeps import approach_of
 from sketchlang.errors import InputError
 from sketchlang.files import write_text
 
-VERSION = 1
+VERSION = 2
 """Part of the name of cached files: to be raised when something here derives differently."""
 
 BOXES = ("hand", "arm", "fingers")

@@ -7,8 +7,9 @@ the floor; postures that touch these or the robot itself do not count.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -22,6 +23,10 @@ from runtime.world.solids import Floats
 
 HEIGHT_STEP = 0.1
 DISTANCE_STEP = 0.05
+HALVINGS = 2
+"""How often the last step at either end of a fixed robot's reach is halved: one that drives
+stands a little nearer or further, a fixed one has to make use of all its reach."""
+
 SAMPLES = 6
 """Directions that are tried for each height and distance."""
 
@@ -150,6 +155,21 @@ class Prober:
                 return Posture(starts[found].copy(), frame, height)
         return None
 
+    def reaches(self, height: float, near: Sequence[Floats], distance: float) -> bool:
+        """Whether the wrist gets to a distance in enough directions. `near` are postures near
+        by."""
+        if not self.can_reach(height, distance):
+            return False
+        known, wanted = list(near), math.ceil(SHARE * SAMPLES)
+        for number in range(SAMPLES):
+            if SAMPLES - number < wanted:
+                break
+            posture = self.probe(height, distance, number, known)
+            if posture is not None:
+                known.append(posture.q)
+                wanted -= 1
+        return wanted <= 0
+
     def _around(self, x: float, y: float, height: float, bearing: float) -> Floats:
         """The floor, and the board under the object (2, 8)."""
         c, s = math.cos(bearing), math.sin(bearing)
@@ -184,10 +204,25 @@ def grid(robot: RobotModel, family: Family) -> tuple[Workspace, list[Posture]]:
     inner, outer = np.zeros(len(heights)), np.zeros(len(heights))
     for i, (start, end) in _intervals(_smooth(shares)):
         inner[i], outer[i] = distances[start], distances[end]
+        if robot.base.type == "fixed":
+            at = {j: [posture.q] for k, j, posture in found if k == i}
+            for ends, j, step in ((inner, start, -DISTANCE_STEP), (outer, end, DISTANCE_STEP)):
+                reaches = partial(prober.reaches, float(heights[i]), at.get(j, []))
+                ends[i] = last_reached(reaches, ends[i], step)
     inside = [
         posture for i, j, posture in found if inner[i] - 1e-9 <= distances[j] <= outer[i] + 1e-9
     ]
     return Workspace(heights, inner, outer, prober.offset), inside
+
+
+def last_reached(reaches: Callable[[float], bool], distance: float, step: float) -> float:
+    """The last distance that is reached between one that is and the next one, `step` metres
+    further (inwards where negative), to within some halvings of the step."""
+    for _ in range(HALVINGS):
+        step /= 2
+        if reaches(distance + step):
+            distance += step
+    return distance
 
 
 def stretched(robot: RobotModel) -> float:

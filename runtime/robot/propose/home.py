@@ -1,4 +1,6 @@
-"""A posture to drive in: free of collision, the arm folded, away from the joints' limits."""
+"""A posture to drive and to wait in: free of collision, the arm folded over its own base and out
+of the way of the work in front of it, the joints near the middle of their ranges.
+"""
 
 from __future__ import annotations
 
@@ -15,18 +17,22 @@ from runtime.world.poses import compose, identity
 from runtime.world.solids import Floats
 
 DRAWN = 4000
-BEST = 12
-STEPS = 150
+BEST = 24
+STEPS = 250
 MARGINS = (0.01, 0.005, 0.0042)
 """Metres kept from the robot itself and the floor: the largest that can be kept, the last being
 what a planner keeps."""
+
+NEAR_LIMIT = 0.12
+"""A joint is near its limit where less of its range is left than this share."""
 
 ROOM = 0.02
 """Metres above the plane that a fixed robot stands on."""
 
 
 class _Judge:
-    """What a posture costs: how far the arm sticks out, and how near joints are to limits."""
+    """What a posture costs: how far the arm sticks out, above all to the front and the sides, and
+    how far the joints are from the middle of their ranges."""
 
     def __init__(self, robot: RobotModel, margin: float) -> None:
         self.robot = robot
@@ -40,29 +46,53 @@ class _Judge:
             self.floor = _mount_height(robot) + ROOM
         rows = [[0.0, 0.0, self.floor - 0.5, 10.0, 10.0, 0.5, 1.0, 0.0]]
         self.around = boxes_only(np.array(rows))
-        span = np.maximum(robot.upper - robot.lower, 1e-9)
+        self.span = np.maximum(robot.upper - robot.lower, 1e-9)
         self.middle = (robot.upper + robot.lower) / 2
-        self.span = span
-        first = next((k for k, slides in enumerate(robot.chain.prismatic) if not slides), 0)
-        self.high = float(robot.frames(self.middle)[first + 1, 2, 3]) + 0.4
+        self.first = next((k for k, slides in enumerate(robot.chain.prismatic) if not slides), 0)
+        self.ahead = float(np.clip(0.0, robot.lower[self.first], robot.upper[self.first]))
+        self.high = float(robot.frames(self.middle)[self.first + 1, 2, 3]) + 0.4
 
     def cost(self, q: Floats) -> float:
         """Metres, and a little more for what is unhandy."""
         robot = self.robot
         arm.forward(robot.chain.origins, robot.chain.prismatic, q, self._frames)
         arm.place_boxes(self._frames, self.body.frame, self.body.pose, self._placed)
-        placed = self._placed[self.moving]
-        out = np.hypot(placed[:, 0, 3], placed[:, 1, 3]) + 0.7 * self.body.radius[self.moving]
-        tool = compose(self._frames[-1], robot.tool)
-        near_limits = float((((q - self.middle) / self.span) ** 2).max())
-        # Ready for work: the hand ahead, neither below the load that it may carry nor high up,
-        # and pointing forwards or down.
-        ready = 0.25 * (1.0 - max(float(tool[0, 0]), -float(tool[2, 0])))
+        return self._extent() + self._strain(q) + self._unready()
+
+    def _extent(self) -> float:
+        """Where the whole arm is, in metres: the furthest part from the base's axis; how far it is
+        stretched from the shoulder, upwards too; and again what is in front, where work is, and
+        what is aside of the arm's own plane."""
+        placed, radius = self._placed[self.moving], 0.7 * self.body.radius[self.moving]
+        out = np.hypot(placed[:, 0, 3], placed[:, 1, 3]) + radius
+        front = max(0.0, float((placed[:, 0, 3] + radius).max()))
+        aside = float(np.abs(placed[:, 1, 3]).max())
+        shoulder = self._frames[self.first + 1, :, 3]
+        stretch = np.linalg.norm(placed[:, :, 3] - shoulder, axis=1) + radius
+        return float(out.max() + 0.5 * stretch.max()) + 0.5 * front + 0.5 * aside
+
+    def _strain(self, q: Floats) -> float:
+        """Joints away from the middle of their ranges, and a first joint that is turned away from
+        its zero: the same posture the other way round leaves little room to turn."""
+        away = ((q - self.middle) / self.span) ** 2
+        room = 0.5 - math.sqrt(float(away.max()))
+        turned = min(math.pi, abs(float(q[self.first]) - self.ahead))
+        return (
+            0.3 * float(away.max())
+            + 0.6 * float(away.mean())
+            + 2.0 * max(0.0, NEAR_LIMIT - room)
+            + 0.1 * turned
+        )
+
+    def _unready(self) -> float:
+        """How far the hand is from being ready for work: ahead, neither below the load that it may
+        carry nor high up, and pointing forwards or down."""
+        tool = compose(self._frames[-1], self.robot.tool)
+        cost = 0.25 * (1.0 - max(float(tool[0, 0]), -float(tool[2, 0])))
         aside = math.atan2(float(tool[1, 3]), float(tool[0, 3]))
-        ready += 0.15 * (1.0 - math.cos(aside)) + 0.3 * max(0.0, -float(tool[0, 3]))
+        cost += 0.15 * (1.0 - math.cos(aside)) + 0.3 * max(0.0, -float(tool[0, 3]))
         height = float(tool[2, 3])
-        ready += max(0.0, self.floor + 0.25 - height) + 0.5 * max(0.0, height - self.high)
-        return float(out.max()) + 0.3 * near_limits + ready
+        return cost + max(0.0, self.floor + 0.25 - height) + 0.5 * max(0.0, height - self.high)
 
     def free(self, q: Floats) -> bool:
         """Whether the robot touches neither itself nor the floor."""
@@ -105,6 +135,8 @@ def _search(judge: _Judge, rng: np.random.Generator) -> Floats | None:
     inset = 0.05 * (robot.upper - robot.lower)
     lower, upper = robot.lower + inset, robot.upper - inset
     drawn = rng.uniform(lower, upper, (DRAWN, len(lower)))
+    # Half of them nearer the middle: with many joints hardly any would be there by chance.
+    drawn[::2] = (drawn[::2] + judge.middle) / 2
     costs = np.array([judge.cost(q) for q in drawn])
     kept = []
     for k in np.argsort(costs):

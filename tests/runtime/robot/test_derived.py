@@ -15,7 +15,14 @@ from runtime.robot.derived import cache_folder, derive, derived_of
 from runtime.robot.load import load_robot
 from runtime.robot.open_hand import tools
 from runtime.robot.outline import outline
-from runtime.robot.reachable import approach_frame, shoulder_of, wrist_offset_of
+from runtime.robot.reachable import (
+    DISTANCE_STEP,
+    HALVINGS,
+    approach_frame,
+    last_reached,
+    shoulder_of,
+    wrist_offset_of,
+)
 from runtime.robot.sweeps import TRAVEL
 from runtime.world.poses import Pose, apply, compose, invert
 from tests.runtime.robot.robots import TOML, write_robot
@@ -155,3 +162,24 @@ def test_workspaces_are_interpolated_and_empty_beyond_their_ends() -> None:
     assert space.at(0.45) == pytest.approx((0.2, 0.6, 0.1))
     assert space.at(0.9)[:2] == (0.0, 0.0)
     assert space.reaches == (0.5, 0.6)
+
+
+@pytest.mark.parametrize("way", [1, -1])
+def test_the_end_of_a_reach_is_found_to_within_the_halved_step(way, rng) -> None:
+    for true in rng.uniform(0.0, DISTANCE_STEP, 50):
+        found = last_reached(lambda d, t=true: way * (d - 0.5) <= t, 0.5, way * DISTANCE_STEP)
+        assert (
+            0.0 <= way * (found - 0.5) <= true < way * (found - 0.5) + DISTANCE_STEP / 2**HALVINGS
+        )
+
+
+def test_the_reach_of_a_fixed_arm_ends_between_grid_points_that_of_others_on_them(robot) -> None:
+    def ends(of) -> np.ndarray:
+        space = derived_of(of).workspaces[Family.TOP]
+        inside = space.outer > space.inner
+        return np.concatenate([space.inner[inside], space.outer[inside]]) / DISTANCE_STEP
+
+    fixed, driving = ends(load_robot("ur5e_desk")), ends(robot)
+    assert driving == pytest.approx(np.round(driving))
+    assert fixed * 2**HALVINGS == pytest.approx(np.round(fixed * 2**HALVINGS))
+    assert (np.abs(fixed - np.round(fixed)) > 0.1).any()
