@@ -7,6 +7,8 @@ of them is first used: the language itself knows nothing of geometry, and touche
 
 from __future__ import annotations
 
+import sys
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from sketchlang.version import __version__
@@ -18,14 +20,33 @@ __all__ = ["Plan", "Result", "__version__", "check", "load", "plan", "terminate"
 
 
 def __getattr__(name: str) -> Any:
-    # `sketchlang.check` is a package as well: once that is imported, its name stands for it.
     if name in __all__:
-        from sketchlang.guard import in_the_way
-
-        trouble = in_the_way()
-        if trouble is not None:
-            raise ImportError(trouble)
-        from sketchlang import api
-
-        return getattr(api, name)
+        return _offered(name)
     raise AttributeError(f"module 'sketchlang' has no attribute {name!r}")
+
+
+def _offered(name: str) -> Any:
+    from sketchlang.guard import in_the_way
+
+    trouble = in_the_way()
+    if trouble is not None:
+        raise ImportError(trouble)
+    from sketchlang import api
+
+    return getattr(api, name)
+
+
+class _Front(ModuleType):
+    """`sketchlang.check` is the function, also after the package of that name has been imported:
+    Python would set the package as an attribute here."""
+
+    @property
+    def check(self) -> Any:
+        return _offered("check")
+
+    @check.setter
+    def check(self, package: ModuleType) -> None:
+        """The package is found by `from sketchlang.check import ...` all the same."""
+
+
+sys.modules[__name__].__class__ = _Front

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import importlib
 import re
 from collections.abc import Callable, Iterator
 from functools import cache
@@ -294,3 +295,52 @@ def test_no_file_names_a_machine_or_a_registry() -> None:
 )
 def test_foreign_names_are_recognised(line) -> None:
     assert FOREIGN.search(line)
+
+
+PAGE = ROOT / "docs" / "architecture.md"
+PATH = re.compile(
+    r"`((?:sketchlang|runtime|domains|grammars|tests|docs|benchmarks|editors)/[\w./]*)`"
+)
+
+
+@pytest.mark.parametrize(
+    "page", ["docs/architecture.md", "docs/api.md", "README.md", "CONTRIBUTING.md"]
+)
+def test_what_a_page_points_to_is_there(page) -> None:
+    text = (ROOT / page).read_text(encoding="utf-8")
+    links = re.findall(r"\]\((?!https?:)([^)#]+)", text)
+    missing = [path for path in PATH.findall(text) if not (ROOT / path).exists()]
+    missing += [link for link in links if not (ROOT / page).parent.joinpath(link).exists()]
+    assert missing == []
+
+
+def test_the_page_has_a_line_for_every_room() -> None:
+    """A room is a folder with modules of ours; one inside another may go without a line, except
+    in the two largest domains."""
+    named = {path.rstrip("/") for path in PATH.findall(PAGE.read_text(encoding="utf-8"))}
+    folders = {path.parent for path in modules("sketchlang", "runtime", "domains")}
+    rooms = {
+        folder.as_posix()
+        for folder in folders
+        if len(folder.parts) == 2
+        or folder.parts[:2] in (("domains", "tabletop"), ("domains", "pddl"))
+    }
+    assert len(rooms) > 20
+    assert rooms - named == set()
+
+
+def test_the_constants_of_the_page_are_where_it_says() -> None:
+    found = re.findall(
+        r"`([A-Z_]+)`(?: and `([A-Z_]+)`)? in `([\w/.]+)`", PAGE.read_text(encoding="utf-8")
+    )
+    assert len(found) >= 2
+    for *constants, path in found:
+        text = (ROOT / path).read_text(encoding="utf-8")
+        assert all(re.search(rf"^{name} = ", text, re.M) for name in constants if name)
+
+
+def test_the_stages_of_the_page_are_functions() -> None:
+    lines = re.findall(r"^    (\w+)\(.*\) +-> .*?(sketchlang[\w.]+)$", PAGE.read_text(), re.M)
+    assert [name for name, _ in lines] == ["load_source", "parse", "check", "compile_sketch"]
+    for name, module in lines:
+        assert callable(getattr(importlib.import_module(module), name))
