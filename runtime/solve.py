@@ -18,7 +18,7 @@ from runtime.search.limits import Limits
 from runtime.search.planners import DEFAULT, PLANNERS
 from runtime.search.problem import SearchProblem
 from runtime.search.siw_r import Outcome, Progress
-from sketchlang.check.checker import CheckedSketch
+from sketchlang.checking.checker import CheckedSketch
 from sketchlang.compile import CompiledSketch, compile_sketch, obstacles
 from sketchlang.domain import LoadOptions, SceneError, position_of
 from sketchlang.errors import InputError

@@ -15,7 +15,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-from sketchlang.check.checker import CheckedSketch, check
+from sketchlang.checking.checker import CheckedSketch, check
 from sketchlang.diagnostics import Diagnostic, Label, Severity
 from sketchlang.domain import Domain, DomainError
 from sketchlang.errors import InputError

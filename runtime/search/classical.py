@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from runtime.errors import InputError
 from runtime.search.problem import Action, Motion, State, Subproblem
+from sketchlang.errors import InputError
 
 
 class ClassicalSubproblem:

@@ -15,7 +15,7 @@ from runtime.trial.width import Width, width_of
 from sketchlang.analysis.limits import Budget
 from sketchlang.analysis.termination import NonTerminating, decide_termination
 from sketchlang.analysis.words import cube, listed
-from sketchlang.check.checker import CheckedSketch
+from sketchlang.checking.checker import CheckedSketch
 from sketchlang.compile import CompiledSketch, compile_sketch
 from sketchlang.compile.errors import shown
 from sketchlang.model import Effect, Rule, SketchModel, holds

@@ -12,7 +12,7 @@ from collections import Counter
 from collections.abc import Callable, Hashable, Iterable
 from typing import Any
 
-from sketchlang.check.typed import BINDERS, QUANTIFIERS, Node
+from sketchlang.checking.typed import BINDERS, QUANTIFIERS, Node
 from sketchlang.compile import seam, sets
 from sketchlang.compile.quantifiers import quantifier
 from sketchlang.compile.seam import Frame, Run

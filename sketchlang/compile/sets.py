@@ -10,7 +10,7 @@ from collections.abc import Callable, Collection, Iterable
 from itertools import pairwise
 from typing import Any, cast
 
-from sketchlang.check.typed import MANY, ONE, OPEN, Node
+from sketchlang.checking.typed import MANY, ONE, OPEN, Node
 from sketchlang.compile.errors import BrokenPromiseError, shown
 from sketchlang.compile.seam import Frame, Run
 from sketchlang.domain import Domain, Function

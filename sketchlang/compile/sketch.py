@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from sketchlang.check.checker import CheckedSketch
-from sketchlang.check.typed import Node
+from sketchlang.checking.checker import CheckedSketch
+from sketchlang.checking.typed import Node
 from sketchlang.compile.closures import Compiler, Layout
 from sketchlang.compile.errors import BrokenPromiseError, EvaluationError
 from sketchlang.compile.invariants import truth

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from sketchlang.analysis.limits import peak_memory_mb
-from sketchlang.check.report import MAX_FINDINGS
+from sketchlang.checking.report import MAX_FINDINGS
 from sketchlang.compile import compile_sketch
 from sketchlang.compile.sketch import CAREFUL_STATES
 from sketchlang.errors import InputError

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import sketchlang
-from sketchlang.check.report import WARNINGS
+from sketchlang.checking.report import WARNINGS
 from sketchlang.pages import FILES, pages
 from sketchlang.syntax.examples import mistakes
 from sketchlang.syntax.phrases import phrases

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from sketchlang.check.typed import Node
+from sketchlang.checking.typed import Node
 from sketchlang.domain import Function
 
 

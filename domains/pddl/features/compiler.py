@@ -18,7 +18,7 @@ from domains.pddl.features.called import function_of
 from domains.pddl.features.rows import Mask, Rows, bits_of
 from domains.pddl.features.sources import Changing, Source, source
 from domains.pddl.ground.task import GroundTask
-from sketchlang.check.typed import BINDERS, MANY, ONE, OPEN, QUANTIFIERS, Node
+from sketchlang.checking.typed import BINDERS, MANY, ONE, OPEN, QUANTIFIERS, Node
 from sketchlang.domain import Function
 
 Frame = list[Any]

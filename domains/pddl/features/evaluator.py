@@ -8,8 +8,8 @@ from typing import Any
 from domains.pddl.features.compiler import MEMORY, Compiler, Meaning, Run
 from domains.pddl.ground.task import GroundTask
 from domains.pddl.state import State
-from sketchlang.check.checker import CheckedSketch
-from sketchlang.check.typed import BINDERS, Node
+from sketchlang.checking.checker import CheckedSketch
+from sketchlang.checking.typed import BINDERS, Node
 from sketchlang.compile.errors import EvaluationError
 from sketchlang.compile.invariants import truth
 from sketchlang.domain import Function

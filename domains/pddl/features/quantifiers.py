@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from domains.pddl.features.called import function_of
 from domains.pddl.features.rows import Mask, bits_of
-from sketchlang.check.typed import ONE, OPEN, Node
+from sketchlang.checking.typed import ONE, OPEN, Node
 
 if TYPE_CHECKING:
     from domains.pddl.features.compiler import Compiler, Frame, Run

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, cast
 
 from domains.pddl.features import rows
 from domains.pddl.features.rows import Mask, Row, Rows, bits_of
-from sketchlang.check.typed import MANY, OPEN, Node
+from sketchlang.checking.typed import MANY, OPEN, Node
 
 if TYPE_CHECKING:
     from domains.pddl.features.compiler import Compiler, Frame, Run

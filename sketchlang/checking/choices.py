@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from sketchlang.check.typed import Node
+from sketchlang.checking.typed import Node
 from sketchlang.domain import Function
 
 MAX_LISTED = 8

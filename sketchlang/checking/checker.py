@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from sketchlang.check import formulas
-from sketchlang.check.calls import Scope
-from sketchlang.check.declarations import Placed, collect
-from sketchlang.check.definitions import definition_order, type_definitions
-from sketchlang.check.expressions import Typer
-from sketchlang.check.relations import Relations, RulePlace, satisfiable
-from sketchlang.check.report import Report
-from sketchlang.check.rules import RuleReader
-from sketchlang.check.typed import Node
+from sketchlang.checking import formulas
+from sketchlang.checking.calls import Scope
+from sketchlang.checking.declarations import Placed, collect
+from sketchlang.checking.definitions import definition_order, type_definitions
+from sketchlang.checking.expressions import Typer
+from sketchlang.checking.relations import Relations, RulePlace, satisfiable
+from sketchlang.checking.report import Report
+from sketchlang.checking.rules import RuleReader
+from sketchlang.checking.typed import Node
 from sketchlang.diagnostics import Diagnostic, Label
 from sketchlang.domain import Domain, DomainError, Function
 from sketchlang.model import Feature, Invariant, Kind, Not, Rule, SketchModel

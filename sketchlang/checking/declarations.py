@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
-from sketchlang.check.report import Report
+from sketchlang.checking.report import Report
 from sketchlang.diagnostics import Label
 from sketchlang.source import Source, Span
 from sketchlang.syntax import tree

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from sketchlang.check.builtins import BuiltinTyper
-from sketchlang.check.calls import Binding, Scope, a
-from sketchlang.check.typed import Node
+from sketchlang.checking.builtins import BuiltinTyper
+from sketchlang.checking.calls import Binding, Scope, a
+from sketchlang.checking.typed import Node
 from sketchlang.diagnostics import Label
 from sketchlang.source import Span
 from sketchlang.syntax import tree

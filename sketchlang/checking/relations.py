@@ -11,7 +11,7 @@ from collections.abc import Collection, Mapping, Sequence
 from functools import cache
 from itertools import product
 
-from sketchlang.check.report import Report
+from sketchlang.checking.report import Report
 from sketchlang.diagnostics import Label
 from sketchlang.model import (
     And,

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from itertools import pairwise
 
-from sketchlang.check.calls import Scope, a
-from sketchlang.check.sets import SetTyper
-from sketchlang.check.typed import Node
+from sketchlang.checking.calls import Scope, a
+from sketchlang.checking.sets import SetTyper
+from sketchlang.checking.typed import Node
 from sketchlang.syntax import tree
 from sketchlang.types import NAT, Type
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from sketchlang.check.calls import Binding, Calls, Scope, a
-from sketchlang.check.typed import MANY, ONE, OPEN, Node
+from sketchlang.checking.calls import Binding, Calls, Scope, a
+from sketchlang.checking.typed import MANY, ONE, OPEN, Node
 from sketchlang.diagnostics import Label
 from sketchlang.domain import Function
 from sketchlang.syntax import tree

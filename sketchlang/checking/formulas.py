@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from sketchlang.check.declarations import Placed
-from sketchlang.check.report import Report
-from sketchlang.check.typed import Node
+from sketchlang.checking.declarations import Placed
+from sketchlang.checking.report import Report
+from sketchlang.checking.typed import Node
 from sketchlang.model import And, Formula, Invariant, Literal, Not, Or
 from sketchlang.syntax import tree
 from sketchlang.types import BOOL

@@ -6,10 +6,10 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from sketchlang.check.choices import foreign_function, offered, signature
-from sketchlang.check.declarations import Declarations, Placed
-from sketchlang.check.report import Report
-from sketchlang.check.typed import OPEN, Node, Store
+from sketchlang.checking.choices import foreign_function, offered, signature
+from sketchlang.checking.declarations import Declarations, Placed
+from sketchlang.checking.report import Report
+from sketchlang.checking.typed import OPEN, Node, Store
 from sketchlang.diagnostics import Label
 from sketchlang.domain import Domain, Function
 from sketchlang.source import Source, Span

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 
-from sketchlang.check.declarations import Declarations, Placed
-from sketchlang.check.report import Report
+from sketchlang.checking.declarations import Declarations, Placed
+from sketchlang.checking.report import Report
 from sketchlang.diagnostics import Label, Severity
 from sketchlang.model import Effect, Feature, Kind, Rule
 from sketchlang.source import Source, Span

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from sketchlang.check.calls import Binding, Scope
-from sketchlang.check.declarations import Declarations, Placed
-from sketchlang.check.expressions import Typer
-from sketchlang.check.order import names_in, order
-from sketchlang.check.typed import Node
+from sketchlang.checking.calls import Binding, Scope
+from sketchlang.checking.declarations import Declarations, Placed
+from sketchlang.checking.expressions import Typer
+from sketchlang.checking.order import names_in, order
+from sketchlang.checking.typed import Node
 from sketchlang.diagnostics import Label
 from sketchlang.suggest import did_you_mean
 from sketchlang.syntax import tree
