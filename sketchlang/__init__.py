@@ -7,8 +7,6 @@ of them is first used: the language itself knows nothing of geometry, and touche
 
 from __future__ import annotations
 
-import sys
-from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from sketchlang.version import __version__
@@ -34,19 +32,3 @@ def _offered(name: str) -> Any:
     from sketchlang import api
 
     return getattr(api, name)
-
-
-class _Front(ModuleType):
-    """`sketchlang.check` is the function, also after the package of that name has been imported:
-    Python would set the package as an attribute here."""
-
-    @property
-    def check(self) -> Any:
-        return _offered("check")
-
-    @check.setter
-    def check(self, package: ModuleType) -> None:
-        """The package is found by `from sketchlang.check import ...` all the same."""
-
-
-sys.modules[__name__].__class__ = _Front

@@ -49,7 +49,7 @@ def test_what_is_offered_is_there_and_nothing_else() -> None:
 
 
 def test_check_is_the_function_whatever_has_been_imported() -> None:
-    from sketchlang.check.checker import CheckedSketch
+    from sketchlang.checking.checker import CheckedSketch
 
     assert sketchlang.check is api.check
-    assert CheckedSketch.__module__ == "sketchlang.check.checker"
+    assert CheckedSketch.__module__ == "sketchlang.checking.checker"
