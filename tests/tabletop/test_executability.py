@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 import pytest
 
 from domains.tabletop.actions.actions import Pick, Place
-from domains.tabletop.actions.reach import Reach
+from domains.tabletop.actions.executability import FURTHER
+from domains.tabletop.actions.reach import ANOTHER, Reach
 from domains.tabletop.problem import TabletopProblem
 from domains.tabletop.state import BasePose, Grasp, Placement, State
 from runtime.motion.motion import Motion
@@ -36,13 +38,13 @@ def standing(problem: TabletopProblem, index: int, x: float, y: float, support: 
 def asked(problem: TabletopProblem, monkeypatch) -> list[int]:
     """Grows by one with each inverse kinematics that is really computed."""
     computed: list[int] = []
-    solve = problem.executor.solver.solve
+    reaches = problem.executor.solver.reaches
 
-    def counting(*arguments) -> Reach | None:
+    def counting(*arguments) -> Iterator[Reach]:
         computed.append(1)
-        return solve(*arguments)
+        return reaches(*arguments)
 
-    monkeypatch.setattr(problem.executor.solver, "solve", counting)
+    monkeypatch.setattr(problem.executor.solver, "reaches", counting)
     return computed
 
 
@@ -111,3 +113,45 @@ def test_forgotten_answers_are_computed_again(problem, monkeypatch) -> None:
         else:
             assert [type(piece) for piece in one] == [type(piece) for piece in other]
             assert np.array_equal(one[2].path, other[2].path)
+
+
+# -- further postures --------------------------------------------------------------------------
+
+
+def barred(problem: TabletopProblem, monkeypatch, number: int) -> list[np.ndarray]:
+    """Bars the way from home to the first few postures; grows by each posture at a grasp to which
+    a way is asked for."""
+    asked_for: list[np.ndarray] = []
+    motion = problem.executor._motion
+
+    def barring(asked, reach, picks):
+        asked_for.append(reach.approach[-1])
+        if len(asked_for) <= number:
+            return Rejection("motion_plan", "a")
+        return motion(asked, reach, picks)
+
+    monkeypatch.setattr(problem.executor, "_motion", barring)
+    return asked_for
+
+
+@pytest.mark.parametrize("number", [1, 2])
+def test_where_a_posture_has_no_free_way_home_another_is_tried(
+    problem, monkeypatch, number
+) -> None:
+    tried = barred(problem, monkeypatch, number)
+    state = standing(problem, 1, 0.8, 0.75, 0)
+    motion = problem.executor.manipulate(state, 0, state.placements[0], PICK.grasp, True, 60)
+    assert not isinstance(motion, Rejection)
+    assert number < len(tried) <= 1 + FURTHER
+    for i, one in enumerate(tried):
+        assert all(np.abs(one - other).max() >= ANOTHER for other in tried[:i])
+    assert np.array_equal(motion[2].path[-1], tried[-1])
+
+
+def test_the_tries_end_and_are_remembered(problem, monkeypatch) -> None:
+    tried = barred(problem, monkeypatch, 1000)
+    state = standing(problem, 1, 0.8, 0.75, 0)
+    for _ in range(2):
+        motion = problem.executor.manipulate(state, 0, state.placements[0], PICK.grasp, True, 60)
+        assert motion == Rejection("motion_plan", "a")
+        assert len(tried) == 1 + FURTHER

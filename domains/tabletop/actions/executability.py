@@ -10,8 +10,9 @@ from __future__ import annotations
 import math
 import zlib
 from collections import OrderedDict
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from typing import TypeVar, cast
 
 import numpy as np
@@ -38,6 +39,9 @@ REACH = 1.3
 
 REMEMBERED = 2000
 """Answers about manipulations that are kept."""
+
+FURTHER = 3
+"""Further postures at a grasp that are tried where the first has no free way from home."""
 
 Answer = TypeVar("Answer", "Reach | None", "Motion | Rejection")
 
@@ -120,7 +124,9 @@ class Executor:
         asked = self._question(state, (index, placement, grasp), upright(*at))
         step = self.profile.inverse_kinematics
         with step.timed():
-            reach = self._known(("reach", seeds, asked.key), lambda: self._reach(asked, seeds))
+            reach = self._known(
+                ("reach", seeds, asked.key), lambda: next(self._reaches(asked, seeds), None)
+            )
         step.record(reach is not None)
         if reach is None:
             return Rejection("inverse_kinematics", name)
@@ -128,6 +134,9 @@ class Executor:
         with step.timed():
             key = ("motion", picks, reach.approach[-1].tobytes(), asked.key)
             motion = self._known(key, lambda: self._motion(asked, reach, picks))
+            if isinstance(motion, Rejection):
+                key = ("further", picks, seeds, asked.key)
+                motion = self._known(key, lambda: self._further(asked, seeds, picks))
             after = state.picked(index, grasp) if picks else state.placed(index, placement)
             if not isinstance(motion, Rejection) and not self.can_leave(after):
                 motion = Rejection("motion_plan", name)
@@ -164,17 +173,26 @@ class Executor:
         riders = tuple(Part(p.solid, compose(standing, p.pose)) for p in asked.riders)
         return held_parts(self.world.items[index], grasp.tool) + riders
 
-    def _reach(self, asked: Manipulation, seeds: int) -> Reach | None:
+    def _reaches(self, asked: Manipulation, seeds: int) -> Iterator[Reach]:
+        """Reaches with different postures; the same ones in the same order at every call."""
         world = self.world
         index, placement, grasp = asked.target
         grip = grip_of(world.items[index], world.hand, grasp)
         if grip is None:
-            return None
+            return iter(())
         base = upright(*asked.base.pose[:2], 0.0, asked.base.pose[2])
         target = compose(invert(base), compose(asked.standing, grasp.tool))
         rng = np.random.default_rng(self._seed(asked.base, placement, grasp))
         held = self._held(asked)
-        return self.solver.solve(held, grip, target, asked.others, asked.with_object, rng, seeds)
+        return self.solver.reaches(held, grip, target, asked.others, asked.with_object, rng, seeds)
+
+    def _further(self, asked: Manipulation, seeds: int, picks: bool) -> Motion | Rejection:
+        """The motion with the arm in another posture than the first, with which there is none."""
+        for reach in islice(self._reaches(asked, seeds), 1, 1 + FURTHER):
+            motion = self._motion(asked, reach, picks)
+            if not isinstance(motion, Rejection):
+                return motion
+        return Rejection("motion_plan", self.world.items[asked.target[0]].name)
 
     def _seed(self, *parts: object) -> int:
         """A seed that depends on the question asked, not on what was asked before."""

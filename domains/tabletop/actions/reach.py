@@ -35,6 +35,9 @@ LINE_STEP = 0.02
 MAX_TURN = 0.25
 """Radians that a joint may turn in one step of a line: more means another branch."""
 
+ANOTHER = 0.3
+"""Radians, or metres, in some joint by which one posture is another than the one before."""
+
 ITERATIONS = 60
 
 
@@ -87,7 +90,7 @@ class ReachSolver:
     def __init__(self, robot: RobotModel) -> None:
         self.robot = robot
 
-    def solve(
+    def reaches(
         self,
         held: Sequence[Part],
         grip: Grip,
@@ -96,8 +99,9 @@ class ReachSolver:
         with_object: Obstacles,
         rng: np.random.Generator,
         seeds: int,
-    ) -> Reach | None:
-        """A reach that takes the tool to `target` (3, 4) in the base frame.
+    ) -> Iterator[Reach]:
+        """Reaches that take the tool to `target` (3, 4) in the base frame, each with the arm in
+        another posture.
 
         `held` are the solids of what is held then, in the tool frame; `others` are the obstacles
         around without the object, `with_object` those with it, both in the base frame. Every
@@ -106,11 +110,14 @@ class ReachSolver:
         """
         robot = self.robot
         empty = ArmContext(robot, robot.body(grip.opening), with_object)
+        found: list[Floats] = []
         for q in self._free_from(empty, target, self._starts(rng, seeds)):
+            if any(np.abs(q - other).max() < ANOTHER for other in found):
+                continue
             reach = self._lines(held, grip, target, q, empty, others)
             if reach is not None:
-                return reach
-        return None
+                found.append(q)
+                yield reach
 
     def postures(
         self, context: ArmContext, target: Pose, seeds: int, seed: int
