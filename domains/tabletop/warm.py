@@ -18,6 +18,9 @@ from domains.tabletop.scene.model import (
 from domains.tabletop.state import State
 from domains.tabletop.subproblem import SEEDS, TabletopSubproblem
 from domains.tabletop.world import TabletopWorld
+from runtime.kernels import arm
+from runtime.kernels.boxes import within_reach
+from runtime.kernels.convex import boxes_only
 from runtime.motion import rrt
 from runtime.motion.arm_context import ArmContext
 from runtime.robot.model import RobotModel
@@ -45,7 +48,12 @@ def warm_up(robot: RobotModel) -> None:
         found = _first(TabletopSubproblem(samples, executor, SEEDS), state)
         if found is not None:
             state = found
-    context = ArmContext(robot, robot.body(0.05), world.statics)
+    # What only some scenes ask: lanes where the base cannot turn, and solids that are no boxes.
+    body = robot.body(0.05)
+    placed = np.zeros((len(body.frame), 3, 4))
+    arm.body_collides(body, placed, boxes_only(world.statics), 0.01)
+    within_reach(world.statics, 0.0, 0.0, 1.0)
+    context = ArmContext(robot, body, world.statics)
     path = rrt.rrt_connect(context, robot.home, robot.home * 0.999, 1, 0.1)
     if path is not None:
         rrt.shorten(context, np.vstack([path, path[::-1], path]), rng)
