@@ -1,6 +1,6 @@
 """Feature values straight from the syntax tree: slow, short, and the reference.
 
-Shares nothing with `sketchlang.check` and `sketchlang.compile`: names are looked up while the
+Shares nothing with `sketchlang.checking` and `sketchlang.compile`: names are looked up while the
 expression is evaluated, and nothing is remembered.
 """
 
