@@ -72,6 +72,11 @@ class SiteHold:
     fits: int
     angles: Floats = field(default_factory=lambda: MIDDLES)
 
+    @cached_property
+    def reach(self) -> float:
+        """Metres in the plane that the grip and its centre are from the site, at most."""
+        return float(np.abs(self.rows).sum(axis=1).max())
+
 
 @dataclass(frozen=True, eq=False)
 class TabletopWorld:
@@ -275,8 +280,18 @@ class TabletopWorld:
 
     def own(self, index: int) -> Floats:
         """What an object takes up where it stands, whatever its heading: radius and height."""
-        item = self.items[index]
-        return np.array([item.inner_radius, item.size[2]])
+        taken: Floats = self.owns[index]
+        return taken
+
+    @cached_property
+    def owns(self) -> Floats:
+        """The same for all objects (n, 2)."""
+        return np.array([[i.inner_radius, i.size[2]] for i in self.items]).reshape(-1, 2)
+
+    @cached_property
+    def widest(self) -> float:
+        """Metres in the plane that the swept volumes reach from the grasp centre, at most."""
+        return max(float(swept.extent(self.hand.sweeps[family])) for family in self.families)
 
     # -- how things are taken -----------------------------------------------------------------
 

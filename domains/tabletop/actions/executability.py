@@ -177,7 +177,11 @@ class Executor:
         """Reaches with different postures; the same ones in the same order at every call."""
         world = self.world
         index, placement, grasp = asked.target
-        grip = grip_of(world.items[index], world.hand, grasp)
+        grip = world.memory.answer(
+            "grips",
+            (world.kinds[index], grasp),
+            lambda: grip_of(world.items[index], world.hand, grasp),
+        )
         if grip is None:
             return iter(())
         base = upright(*asked.base.pose[:2], 0.0, asked.base.pose[2])

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -58,6 +59,16 @@ class Places:
     counts: Ints
     reachable: Ints
 
+    @cached_property
+    def repeated(self) -> tuple[Floats, Floats, Floats]:
+        """The hold's rows, its height and the object's own size, once for each site."""
+        n = len(self.goal.xyz)
+        return (
+            np.tile(self.hold.rows, (n, 1, 1)),
+            np.full(n, self.hold.height),
+            np.tile(self.own, (n, 1)),
+        )
+
 
 @dataclass(frozen=True, eq=False)
 class Thought:
@@ -80,6 +91,7 @@ class Arrangement:
     picks: dict[int, Picks]
     places: dict[object, Places] = field(default_factory=dict)
     alpha: dict[tuple[int, Grasp | None], int] = field(default_factory=dict)
+    beta: dict[tuple[int, Grasp | None], int] = field(default_factory=dict)
     misplaced: dict[Grasp | None, frozenset[int]] = field(default_factory=dict)
     letters: dict[str, dict[int, GoalSites]] = field(default_factory=dict)
 
@@ -210,8 +222,7 @@ class Arrangement:
 
     def _reach(self, hold: SiteHold) -> float:
         """Metres from a site beyond which nothing bars a hand of any family."""
-        wide = max(float(swept.extent(self.world.hand.sweeps[f])) for f in self.world.families)
-        return wide + float(np.abs(hold.rows).sum(axis=1).max())
+        return self.world.widest + hold.reach
 
     def _carry_alpha(self, to: Arrangement, changed: Sequence[int]) -> None:
         """Alpha of objects whose ways what moved neither barred nor bars."""
@@ -487,8 +498,8 @@ def _columns(rows: Sequence[tuple[Floats, float, int]]) -> tuple[Floats, Floats,
     return holds, heights, np.array([row[2] for row in rows], dtype=np.int64)
 
 
-def _owns(world: TabletopWorld, indices: Iterable[int]) -> Floats:
-    return np.array([world.own(i) for i in indices]).reshape(-1, 2)
+def _owns(world: TabletopWorld, indices: Sequence[int]) -> Floats:
+    return world.owns[list(indices)]
 
 
 def _is_stacked(world: TabletopWorld, placements: Placements, boxes: Floats) -> bool:
@@ -546,14 +557,7 @@ OVERLAP = 0.002
 
 def _place_barred(world: TabletopWorld, ways: Places, family: int, boxes: Floats) -> Ints:
     """Bits (S, n) of the headings to the sites of a goal that boxes (n, 8) bar."""
-    sites = ways.goal.xyz
-    found: Ints = swept.barred_matrix(
-        sites,
-        np.tile(ways.hold.rows, (len(sites), 1, 1)),
-        np.full(len(sites), ways.hold.height),
-        np.tile(ways.own, (len(sites), 1)),
-        boxes,
-        world.hand.sweeps[family],
-        0.0,
-    )
+    holds, heights, owns = ways.repeated
+    sweep = world.hand.sweeps[family]
+    found: Ints = swept.barred_matrix(ways.goal.xyz, holds, heights, owns, boxes, sweep, 0.0)
     return found

@@ -101,6 +101,13 @@ def disturbed_by(state: State, index: int, placement: Placement) -> int:
 def disturbances(state: State, index: int) -> int:
     """beta of an object: fewest misplaced objects that a goal place of it blocks."""
     here = arrangement(state.world, state.placements)
+    key = (index, state.grasp)
+    if key not in here.beta:
+        here.beta[key] = _disturbances(state, index, here)
+    return here.beta[key]
+
+
+def _disturbances(state: State, index: int, here: Arrangement) -> int:
     goal = state.world.goal_sites(index, here)
     if goal is None:
         return 0

@@ -76,13 +76,14 @@ class GraspSampler:
         if attempt > 0:
             strays = pick_headings(swept.ALL & hold.fits if draw.doubting else free, number, rng)
             angles += [k * STEP + rng.uniform(-STEP / 2, STEP / 2) for k in strays]
-        item = world.items[index]
-        grasps = []
-        for angle in (angle - at[3] for angle in angles):
+        if not angles:
+            return []
+        item, grasps = world.items[index], []
+        found = item.holds(world.hand, family, np.array(angles) - at[3])
+        for i, angle in enumerate(angles):
             flipped = attempt > 0 and rng.random() < 0.3
-            found = item.holds(world.hand, family, np.array([angle]))
-            if found is not None and found.fits[0]:
-                grasps.append(item.grasp(found, 0, angle, flipped))
+            if found is not None and found.fits[i]:
+                grasps.append(item.grasp(found, i, angle - at[3], flipped))
         return grasps
 
     def _placeable(self, state: State, index: int, family: int, free: int) -> int:
