@@ -87,11 +87,34 @@ class Physics:
         self.names |= {
             body: thing.name for body, thing in zip(self.objects, world.movables, strict=True)
         }
+        # What the base touches before anything moves is what it stands on, or is bolted to.
+        self._stands_on: set[Contact] = set()
+        self.bullet.performCollisionDetection()
+        foot, movable = self._links_of_the_base(), {thing.name for thing in world.movables}
+        self._stands_on = {
+            contact
+            for contact in self.contacts(None)
+            if self._links[contact.link] in foot and contact.thing not in movable
+        }
 
     def close(self) -> None:
         """End the simulation."""
         if self.bullet.isConnected():
             self.bullet.disconnect()
+
+    def _links_of_the_base(self) -> set[int]:
+        """The links that no planning joint moves against the base."""
+        moved = set(self.robot.joints)
+        joints = self.robot.urdf.joints  # by their child
+
+        def is_still(link: str) -> bool:
+            while link in joints:
+                if joints[link].name in moved:
+                    return False
+                link = joints[link].parent
+            return True
+
+        return {index for name, index in self._links.items() if is_still(name)}
 
     # -- what there is -------------------------------------------------------------------------
 
@@ -305,7 +328,8 @@ class Physics:
         return matrix(np.array([*state[4], *state[5]]))
 
     def contacts(self, gripped: int | None) -> set[Contact]:
-        """What the robot touches, apart from the gripper and the object it is gripping."""
+        """What the robot touches, apart from the gripper and the object it is gripping, and from
+        what its base stands on."""
         found = set()
         for point in self.bullet.getContactPoints(self.body):
             link, other = point[3], point[2]
@@ -314,7 +338,7 @@ class Physics:
             mine = gripped is not None and other == self.objects[gripped]
             if not (mine and link in self._gripper):
                 found.add(Contact(self.link_names[link], self.names[other]))
-        return found
+        return found - self._stands_on
 
 
 def connect(gui: bool) -> Any:
