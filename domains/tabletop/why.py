@@ -7,6 +7,7 @@ with all other objects away, has the last word.
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import replace
@@ -24,10 +25,12 @@ from domains.tabletop.features.functions import (
 )
 from domains.tabletop.features.goals import GoalSites
 from domains.tabletop.features.swept import HEADINGS
+from domains.tabletop.ground import Ground
 from domains.tabletop.items import why_not
 from domains.tabletop.sampling.draw import Draw
 from domains.tabletop.state import Grasp, State
 from domains.tabletop.world import TabletopWorld
+from runtime.kernels.plane import point_distance
 from runtime.search.problem import Rejection
 from runtime.search.siw_r import Outcome
 
@@ -40,6 +43,9 @@ TRIES = 40
 """Manipulations that X is asked for before something counts as out of reach."""
 
 SEEDS = 12
+
+BESIDE = 0.05
+"""Metres from a support within which something that rises above it counts as its wall."""
 
 
 def before(problem: TabletopProblem) -> list[Finding]:
@@ -212,7 +218,8 @@ def after(world: TabletopWorld, outcome: Outcome) -> list[Finding]:
     here = arrangement(world, state.placements)
     refused = Counter((r.about, r.step) for r in outcome.rejections)
     found = []
-    for index in sorted(misplaced(state)):
+    held = set() if state.held is None else {state.held}
+    for index in sorted(misplaced(state) | held):
         name = world.items[index].name
         goal = world.goal_sites(index, here)
         if goal is None:
@@ -236,8 +243,29 @@ def after(world: TabletopWorld, outcome: Outcome) -> list[Finding]:
             if steps:
                 said = ", ".join(f"{n} by {step.replace('_', ' ')}" for step, n in steps.items())
                 text = f"{name}: all ways that were tried were refused, {said}"
+                if state.held == index:
+                    ground = world.grounds[goal.support]
+                    where = f"{ground.name}{_walls(world, ground)}"
+                    text = f"{name} cannot be put on {where}: refused {said}"
                 found.append(_finding(name, "refused", text))
         elif disturbances(state, index):
             text = f"{name} would obstruct others at its goal"
             found.append(_finding(name, "disturbs", text))
     return found
+
+
+def _walls(world: TabletopWorld, ground: Ground) -> str:
+    """How deep a support is between things that stand around it, in words."""
+    if ground.owner is not None:
+        return ""
+    x, y = ground.outside(0.0, 0.0)
+    near = math.hypot(*ground.half) + BESIDE
+    depth = max(
+        (
+            float(row[2] + row[5]) - ground.height
+            for row in world.statics
+            if point_distance(row, x, y) < near and row[2] - row[5] < ground.height + BESIDE
+        ),
+        default=0.0,
+    )
+    return f" ({100 * depth:.0f} cm deep)" if depth > BESIDE else ""
