@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from domains.tabletop.features import swept
 from domains.tabletop.features.goals import GoalSites
 from domains.tabletop.features.swept import HEADINGS, STEP
+from domains.tabletop.footprints import footprints_meet
 from domains.tabletop.state import Grasp, Placement
 from runtime.kernels.plane import point_distance
 from runtime.world.poses import Floats
@@ -533,22 +534,8 @@ def _borne(boxes: Floats, index: int) -> NDArray[np.bool_]:
     level = np.abs(boxes[:, 2] - boxes[:, 5] - below[2] - below[5]) < LEVEL
     found: NDArray[np.bool_] = np.zeros(len(boxes), dtype=np.bool_)
     for j in np.flatnonzero(level):
-        found[j] = j != index and _footprints_meet(below, boxes[j])
+        found[j] = j != index and footprints_meet(below, boxes[j], -OVERLAP)
     return found
-
-
-def _footprints_meet(a: Floats, b: Floats) -> bool:
-    """Whether the footprints of two upright boxes (8,) overlap (separating axes)."""
-    dx, dy = b[0] - a[0], b[1] - a[1]
-    for box in (a, b):
-        for ux, uy in ((box[6], box[7]), (-box[7], box[6])):
-            reach = sum(
-                r[3] * abs(ux * r[6] + uy * r[7]) + r[4] * abs(uy * r[6] - ux * r[7])
-                for r in (a, b)
-            )
-            if abs(dx * ux + dy * uy) >= reach - OVERLAP:
-                return False
-    return True
 
 
 OVERLAP = 0.002

@@ -18,6 +18,7 @@ from domains.tabletop.features.functions import (
 )
 from domains.tabletop.features.goals import GoalSites
 from domains.tabletop.features.swept import STEP
+from domains.tabletop.footprints import footprints_meet
 from domains.tabletop.ground import Ground
 from domains.tabletop.sampling.draw import PLACEMENTS, Draw, heading_bit, pick_headings
 from domains.tabletop.state import Grasp, Placement, State
@@ -307,14 +308,4 @@ def _overlap(a: Floats, b: Floats) -> bool:
     """Whether two upright boxes (8,) come within the play of each other."""
     if abs(a[2] - b[2]) >= a[5] + b[5] - swept.LEVEL:
         return False
-    dx, dy = b[0] - a[0], b[1] - a[1]
-    for box in (a, b):
-        c, s = box[6], box[7]
-        for ux, uy in ((c, s), (-s, c)):
-            reach = sum(
-                r[3] * abs(ux * r[6] + uy * r[7]) + r[4] * abs(uy * r[6] - ux * r[7])
-                for r in (a, b)
-            )
-            if abs(dx * ux + dy * uy) >= reach + swept.PLAY:
-                return False
-    return True
+    return footprints_meet(a, b, swept.PLAY)
