@@ -21,7 +21,10 @@ from sketchlang.syntax.tree import Tree
 
 T = TypeVar("T")
 
-_BEGIN = re.compile(rf"^[ \t\r\f\ufeff]*(?:{'|'.join(ITEMS)})\b", re.MULTILINE)
+_OTHERS = "|".join(word for word in ITEMS if word != "goal")
+
+# An indented `goal` may belong to an expression. Two items in a piece do no harm, half of one does.
+_BEGIN = re.compile(rf"^(?:[ \t\r\f\ufeff]*(?:{_OTHERS})|goal)\b", re.MULTILINE)
 
 
 @dataclass
