@@ -21,13 +21,15 @@ class TimedPiece:
 @dataclass(frozen=True, eq=False)
 class PlanAction:
     """One action: its name in the domain, one line for people, the number of its subgoal, and
-    its motion. `arguments` are plain data that only the domain reads."""
+    its motion. `arguments` are plain data that only the domain reads, `values` those of the
+    features after it by name, where they are known."""
 
     name: str
     text: str
     subgoal: int
     pieces: tuple[TimedPiece, ...]
     arguments: Mapping[str, Any] = field(default_factory=dict)
+    values: Mapping[str, int] | None = None
 
 
 @dataclass(frozen=True)

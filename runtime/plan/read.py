@@ -104,14 +104,16 @@ def _subgoal(node: Node) -> PlanSubgoal:
 
 
 def _action(node: Node, objects: list[str], joints: tuple[str, ...], subgoals: int) -> PlanAction:
-    node.only("name", "text", "subgoal", "arguments", "pieces")
+    node.only("name", "text", "subgoal", "arguments", "pieces", "values")
     arguments: dict[str, Any] = {key: value.value for key, value in node["arguments"].items()}
+    values = node.get("values")
     return PlanAction(
         node["name"].text(),
         node["text"].text(),
         index_of(node["subgoal"], subgoals, "subgoal"),
         tuple(_piece(entry, objects, len(joints)) for entry in node["pieces"].each()),
         arguments,
+        None if values is None else {name: value.whole() for name, value in values.items()},
     )
 
 

@@ -64,13 +64,14 @@ def _rounded(array: Floats) -> list[Any]:
 
 
 def _action(action: PlanAction) -> dict[str, Any]:
-    return {
+    data = {
         "name": action.name,
         "text": action.text,
         "subgoal": action.subgoal,
         "arguments": dict(action.arguments),
         "pieces": [_piece(timed) for timed in action.pieces],
     }
+    return data if action.values is None else data | {"values": dict(action.values)}
 
 
 def _piece(timed: TimedPiece) -> dict[str, Any]:

@@ -18,7 +18,8 @@ GOAL = "goal"
 class Subgoal:
     """One subplan: the rule that fired, feature values before and after, what was done.
 
-    `rejected` counts the candidates that died at each step of X on the way.
+    `rejected` counts the candidates that died at each step of X on the way; `values` are those
+    of the features after each action.
     """
 
     rule: str
@@ -32,6 +33,7 @@ class Subgoal:
     expanded: int
     generated: int
     rejected: Mapping[str, int]
+    values: tuple[Values, ...] = ()
 
 
 DOUBTED = 8

@@ -196,6 +196,7 @@ def find_subgoal(
                 expanded=query.effort.expanded,
                 generated=query.effort.generated,
                 rejected=dict(Counter(rejection.step for rejection in rejections)),
+                values=tuple(guide.values(state) for _, _, state in steps),
             )
     return None
 

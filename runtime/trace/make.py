@@ -156,7 +156,13 @@ class _Maker:
                 self._piece(timed, f"actions[{number}].pieces[{i}]")
             actions.append(
                 TraceAction(
-                    action.name, action.text, action.subgoal, _handled(action), start, self.now
+                    action.name,
+                    action.text,
+                    action.subgoal,
+                    _handled(action),
+                    start,
+                    self.now,
+                    action.values,
                 )
             )
         return Trace(

@@ -102,8 +102,8 @@ class TraceSubgoal:
 
 @dataclass(frozen=True)
 class TraceAction:
-    """One action: its name in the domain, one line for people, and the body that it grips or
-    lets go, if there is one."""
+    """One action: its name in the domain, one line for people, the body that it grips or lets
+    go, if there is one, and the feature values after it by name, where they are known."""
 
     name: str
     text: str
@@ -111,6 +111,7 @@ class TraceAction:
     object: str | None
     start: float
     end: float
+    values: Mapping[str, int] | None = None
 
 
 @dataclass(frozen=True)

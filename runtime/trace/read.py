@@ -155,13 +155,14 @@ def _subgoal(node: Node, sketch: TraceSketch) -> TraceSubgoal:
 
 
 def _action(node: Node, names: list[str], subgoals: int) -> TraceAction:
-    thing = node["object"].optional()
+    thing, values = node["object"].optional(), node.get("values")
     return TraceAction(
         node["name"].text(),
         node["text"].text(),
         index_of(node["subgoal"], subgoals, "subgoal"),
         None if thing is None else name_of(thing, names),
         *_span_of_time(node),
+        None if values is None else {name: value.whole() for name, value in values.items()},
     )
 
 

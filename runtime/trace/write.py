@@ -68,6 +68,7 @@ def to_json(trace: Trace) -> dict[str, Any]:
                 "object": a.object,
                 "start": round(a.start, 6),
                 "end": round(a.end, 6),
+                **({} if a.values is None else {"values": dict(a.values)}),
             }
             for a in trace.actions
         ],

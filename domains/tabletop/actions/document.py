@@ -32,10 +32,12 @@ def document(
                 rejected=subgoal.rejected,
             )
         )
-        for action, motion in zip(subgoal.actions, subgoal.motions, strict=True):
+        done = zip(subgoal.actions, subgoal.motions, subgoal.values, strict=True)
+        for action, motion, values in done:
             pieces, opening = timing.timed_motion(world.robot, motion, opening)
             text, arguments = action.text(world), action.arguments(world)
-            actions.append(PlanAction(action.name, text, number, pieces, arguments))
+            after = dict(zip(names, values, strict=True))
+            actions.append(PlanAction(action.name, text, number, pieces, arguments, after))
     return Plan(
         sketch=model.name,
         scene=world.scene.name,
