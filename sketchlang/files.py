@@ -153,6 +153,16 @@ def check_outputs(outputs: Mapping[str, Path | None], folders: tuple[str, ...] =
         taken[real] = option
 
 
+def cache_folder() -> Path:
+    """The user's folder for what can be computed anew; one that cannot be made where there is no
+    home."""
+    base = os.environ.get("XDG_CACHE_HOME")
+    try:
+        return (Path(base) if base else Path.home() / ".cache") / "sketchlang"
+    except RuntimeError:  # no home
+        return Path(os.devnull) / "sketchlang"
+
+
 def is_special(path: Path) -> bool:
     """Whether there is something of this name that is neither a regular file nor a folder."""
     try:

@@ -6,9 +6,7 @@ Deriving takes some seconds. Where the cache cannot be read or written, it is do
 from __future__ import annotations
 
 import json
-import os
 from contextlib import suppress
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,7 +16,7 @@ from runtime.robot.model import RobotModel
 from runtime.robot.reachable import grid, shoulder_of
 from runtime.robot.sweeps import approach_of
 from sketchlang.errors import InputError
-from sketchlang.files import write_text
+from sketchlang.files import cache_folder, write_text
 
 VERSION = 2
 """Part of the name of cached files: to be raised when something here derives differently."""
@@ -28,7 +26,7 @@ BOXES = ("hand", "arm", "fingers")
 
 def derived_of(robot: RobotModel) -> Derived:
     """What kinematics says of a robot, from the cache or anew."""
-    path = cache_folder() / f"{robot.digest}-{VERSION}.json"
+    path = cache_folder() / "robots" / f"{robot.digest}-{VERSION}.json"
     try:
         return _from_data(json.loads(path.read_text("utf-8")))
     except (OSError, ValueError, KeyError, TypeError):
@@ -48,15 +46,6 @@ def derive(robot: RobotModel) -> Derived:
         workspaces[family], postures = grid(robot, family)
         approaches[family] = approach_of(robot, family, postures)
     return Derived(shoulder_of(robot), workspaces, approaches)
-
-
-def cache_folder() -> Path:
-    """Where derived data is kept: in the user's cache folder."""
-    try:
-        base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    except RuntimeError:  # no home
-        base = Path("/nonexistent")
-    return Path(base) / "sketchlang" / "robots"
 
 
 def _as_data(derived: Derived) -> dict[str, Any]:

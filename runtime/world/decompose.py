@@ -16,6 +16,7 @@ import numpy as np
 from runtime.world.body import Mesh, Part
 from runtime.world.poses import upright
 from runtime.world.solids import Floats, Hull
+from sketchlang.files import cache_folder
 
 CONVEX = 0.03
 """A mesh whose convex hull is larger by this part of its volume at most is taken for convex."""
@@ -74,7 +75,7 @@ def _decompose(mesh: Mesh, watertight: bool) -> list[Part]:
     around = ConvexHull(mesh.vertices)
     if watertight and around.volume <= volume_and_centre(mesh)[0] * (1 + CONVEX):
         return [_part(_thinned(mesh.vertices[around.vertices]))]
-    path = _cache_folder() / f"hulls-{_digest(mesh)}.json"
+    path = cache_folder() / f"hulls-{_digest(mesh)}.json"
     points = _read(path)
     if points is None:
         points = _by_coacd(mesh)
@@ -120,11 +121,6 @@ def _digest(mesh: Mesh) -> str:
     content.update(np.ascontiguousarray(mesh.vertices, dtype=np.float64).tobytes())
     content.update(np.ascontiguousarray(mesh.faces, dtype=np.int64).tobytes())
     return content.hexdigest()[:32]
-
-
-def _cache_folder() -> Path:
-    base = os.environ.get("XDG_CACHE_HOME")
-    return (Path(base) if base else Path.home() / ".cache") / "sketchlang"
 
 
 def _read(path: Path) -> list[Floats] | None:

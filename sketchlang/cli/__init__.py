@@ -12,7 +12,7 @@ from typing import Any
 import click
 from click.shell_completion import CompletionItem
 
-from sketchlang.cli.last import USAGE, prepare_process, run_group, say_error
+from sketchlang.cli.last import USAGE, end_process, prepare_process, run_group, say_error
 from sketchlang.guard import in_the_way
 from sketchlang.version import __version__
 
@@ -119,4 +119,7 @@ def main() -> None:
     if trouble is not None:
         say_error(f"error: {trouble}")
         sys.exit(USAGE)
-    cli(prog_name="sketchlang")
+    try:
+        cli(prog_name="sketchlang")
+    except SystemExit as end:
+        end_process(end.code if isinstance(end.code, int) else 0)

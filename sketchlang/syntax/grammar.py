@@ -1,7 +1,8 @@
 """The grammar as a Lark parser, and the words and signs that it is made of.
 
-Lark works out its table once and saves it where Python keeps byte code: reading it back is
-twenty times faster. Where nothing can be written there, every run works it out anew.
+Lark works out its table once and saves it, where Python keeps byte code or in the user's cache
+folder: reading it back is twenty times faster. Where neither can be written, every run works it
+out anew.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import grammars
+from sketchlang.files import cache_folder
 
 if TYPE_CHECKING:
     from lark import Lark
@@ -35,32 +37,35 @@ def load() -> Lark:
 
     text = GRAMMAR.read_text(encoding="utf-8")
     stamp = hashlib.sha256(f"{lark.__version__}\n{text}".encode()).hexdigest().encode()
-    saved = saved_table()
-    try:
-        found, _, table = saved.read_bytes().partition(b"\n")
-        if found == stamp:
-            return lark.Lark.load(BytesIO(table))
-    # Whatever a damaged file makes pickle do: it is only a copy.
-    except Exception:
-        pass
+    places = saved_tables()
+    for place in places:
+        try:
+            found, _, table = place.read_bytes().partition(b"\n")
+            if found == stamp:
+                return lark.Lark.load(BytesIO(table))
+        # Whatever a damaged file makes pickle do: it is only a copy.
+        except Exception:
+            continue
     parser = lark.Lark(
         text, parser="lalr", lexer="basic", maybe_placeholders=False, propagate_positions=True
     )
     table_file = BytesIO()
     parser.save(table_file)
-    _keep(saved, stamp + b"\n" + table_file.getvalue())
+    data = stamp + b"\n" + table_file.getvalue()
+    any(_keep(place, data) for place in places)
     return parser
 
 
-def saved_table() -> Path:
-    """Where the table is kept: beside the byte code, wherever that is for this interpreter."""
-    return Path(importlib.util.cache_from_source(str(GRAMMAR) + ".py")).with_suffix(".lalr")
+def saved_tables() -> list[Path]:
+    """Where the table may be kept, the best place first: beside the byte code, wherever that is
+    for this interpreter, unless it is told to write none there; and in the user's cache folder."""
+    code = Path(importlib.util.cache_from_source(str(GRAMMAR) + ".py")).with_suffix(".lalr")
+    user = cache_folder() / code.name
+    return [user] if sys.dont_write_bytecode else [code, user]
 
 
-def _keep(path: Path, data: bytes) -> None:
-    """Write the table as a whole or not at all, by the rules for byte code."""
-    if sys.dont_write_bytecode:
-        return
+def _keep(path: Path, data: bytes) -> bool:
+    """Write the table as a whole or not at all; whether it was written."""
     temporary = None
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -71,6 +76,8 @@ def _keep(path: Path, data: bytes) -> None:
     except OSError:
         if temporary is not None:
             Path(temporary).unlink(missing_ok=True)
+        return False
+    return True
 
 
 @cache

@@ -18,8 +18,9 @@ def saved(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     """Where the table is kept in a test: a folder that is not there yet."""
     monkeypatch.setattr(sys, "pycache_prefix", str(tmp_path / "code"))
     monkeypatch.setattr(sys, "dont_write_bytecode", False)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     grammar.load.cache_clear()
-    yield grammar.saved_table()
+    yield grammar.saved_tables()[0]
     # Every table numbers its states in its own way.
     grammar.load.cache_clear()
     examples.mistakes.cache_clear()
@@ -57,17 +58,21 @@ def test_a_damaged_table_is_made_anew(saved: Path, damage: slice) -> None:
     assert len(saved.read_bytes()) > len(whole) // 2
 
 
-def test_nothing_is_written_where_byte_code_is_not(
-    saved: Path, monkeypatch: pytest.MonkeyPatch
+def test_where_no_byte_code_is_written_the_cache_folder_serves(
+    saved: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(sys, "dont_write_bytecode", True)
-    grammar.load()
+    made = grammar.load().parse(ITEM).pretty()
     assert not saved.exists()
+    assert list((tmp_path / "cache" / "sketchlang").iterdir()) == grammar.saved_tables()
+    monkeypatch.setattr("lark.load_grammar.load_grammar", None)
+    monkeypatch.setattr("lark.lark.load_grammar", None)
+    assert again() == made
 
 
-def test_a_folder_that_cannot_be_made(saved: Path) -> None:
-    in_the_way = Path(str(sys.pycache_prefix))
-    in_the_way.write_text("a file")
+def test_folders_that_cannot_be_made(saved: Path, tmp_path: Path) -> None:
+    for in_the_way in (Path(str(sys.pycache_prefix)), tmp_path / "cache"):
+        in_the_way.write_text("a file")
     assert grammar.load().parse(ITEM).data == "rule"
 
 

@@ -11,7 +11,7 @@ from runtime.kernels import ik
 from runtime.kernels.convex import boxes_only
 from runtime.robot import derived as module
 from runtime.robot.approach import Family, Workspace
-from runtime.robot.derived import cache_folder, derive, derived_of
+from runtime.robot.derived import derive, derived_of
 from runtime.robot.load import load_robot
 from runtime.robot.open_hand import tools
 from runtime.robot.outline import outline
@@ -25,6 +25,7 @@ from runtime.robot.reachable import (
 )
 from runtime.robot.sweeps import TRAVEL
 from runtime.world.poses import Pose, apply, compose, invert
+from sketchlang.files import cache_folder
 from tests.runtime.robot.robots import TOML, write_robot
 
 FAMILIES = list(Family)
@@ -138,7 +139,7 @@ def test_a_cached_robot_is_read_and_anything_else_is_derived_anew(
     calls = []
     monkeypatch.setattr(module, "derive", lambda r: calls.append(r) or derive(r))
     first = derived_of(small)
-    (file,) = cache_folder().glob("*.json")
+    (file,) = (cache_folder() / "robots").glob("*.json")
     again = derived_of(small)
     assert len(calls) == 1
     assert np.array_equal(first.workspaces[Family.SIDE].outer, again.workspaces[Family.SIDE].outer)
