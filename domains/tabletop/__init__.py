@@ -69,7 +69,7 @@ def disturbed_by(state: State, o: Object, p: Placement) -> Nat:
 
 @domain.function(ignores="base")
 def obstructions(state: State, o: Object) -> Nat:
-    """alpha: fewest objects in the way of picking o up and putting it at its goal."""
+    """alpha: fewest objects to be taken away before o can be picked up and put at its goal."""
     from domains.tabletop.features import functions
 
     return functions.obstructions(state, o)

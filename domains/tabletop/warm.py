@@ -43,6 +43,8 @@ def warm_up(robot: RobotModel) -> None:
     for index in range(2):
         functions.obstructions(state, index)
         functions.disturbances(state, index)
+    here = functions.arrangement(world, state.placements)
+    here.in_the_way(0, here.world.goals[0])
     for _ in range(2):
         samples = sampler.sample(state, 0, rng)
         found = _first(TabletopSubproblem(samples, executor, SEEDS), state)

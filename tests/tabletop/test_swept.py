@@ -199,20 +199,6 @@ def test_residue_minima_agree_with_brute_force(modulus, rng) -> None:
         assert found.tolist() == expected
 
 
-def test_least_barred_headings_agree_with_brute_force(rng) -> None:
-    for _ in range(50):
-        counts = rng.integers(0, 4, (3, swept.HEADINGS)).astype(np.int32)
-        minus = [random_headings(rng) for _ in range(3)]
-        value = {
-            (i, k): counts[i, k] - (k in minus[i]) for i in range(3) for k in range(swept.HEADINGS)
-        }
-        least = min(value.values())
-        found = swept.least_barred(counts, np.array([bits_of(h) for h in minus]))
-        for i in range(3):
-            expected = {k for k in range(swept.HEADINGS) if value[i, k] == least}
-            assert headings_of(int(found[i])) == expected
-
-
 def test_sites_are_occupied_where_something_round_would_touch(rng) -> None:
     sites = rng.uniform([-0.3, -0.3, 0.0], [0.3, 0.3, 0.3], (80, 3))
     rows = np.array([random_neighbour(rng) for _ in range(6)])
@@ -289,34 +275,3 @@ def test_a_robot_that_cannot_drive_reaches_an_annulus(rng) -> None:
                 expected.add(k)
         assert headings_of(int(bits)) == expected
     assert len(set(found.tolist())) > 5
-
-
-@pytest.mark.parametrize("modulus", [1, 6, 12, 24])
-def test_the_least_union_agrees_with_sets(rng, modulus) -> None:
-    """More than 63 objects as well: sets of objects are packed into words."""
-    counted_twice = 0
-    for objects in (3, 10, 70):
-        for _ in range(8):
-            sites, turn = 2, int(rng.integers(-30, 30))
-            pick = np.array([bits_of(random_headings(rng)) for _ in range(objects)])
-            place = np.array(
-                [[bits_of(random_headings(rng)) for _ in range(objects)] for _ in range(sites)]
-            )
-            reachable = rng.integers(1, 1 << swept.HEADINGS, sites + 1)
-            counted = rng.random(objects) < 0.8
-            found = swept.least_union(
-                pick, reachable[0], place, reachable[1:], counted, modulus, turn
-            )
-            unions, sums = [], []
-            for k in headings_of(int(reachable[0])):
-                before = {j for j in range(objects) if counted[j] and k in headings_of(pick[j])}
-                for i in range(sites):
-                    for m in headings_of(int(reachable[1 + i])):
-                        if (m - k - turn) % modulus == 0:
-                            bars = [k2 for k2 in range(objects) if m in headings_of(place[i, k2])]
-                            after = {j for j in bars if counted[j]}
-                            unions.append(len(before | after))
-                            sums.append(len(before) + len(after))
-            assert found == min(unions, default=2 * swept.UNREACHABLE)
-            counted_twice += min(sums, default=0) > min(unions, default=0)
-    assert counted_twice

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from domains.tabletop.features import swept
+from domains.tabletop.features.clearing import NEVER, Clearing, clearing_of, least_clearing, members
 from domains.tabletop.features.goals import GoalSites
 from domains.tabletop.features.swept import HEADINGS, STEP
 from domains.tabletop.footprints import footprints_meet
@@ -73,10 +74,30 @@ class Places:
 
 @dataclass(frozen=True, eq=False)
 class Thought:
-    """An object that is thought to rest somewhere besides: its index and its box (8,)."""
+    """An object that is thought to rest in an arrangement besides: its index and its box (8,)."""
 
+    among: Arrangement
     index: int
     box: Floats
+
+    @cached_property
+    def bars(self) -> Ints:
+        """The headings to each object that it bars, for each family (F, n)."""
+        here = self.among
+        owns = _owns(here.world, range(len(here.boxes)))
+        bars = [
+            swept.barred_matrix(
+                here.sites, picks.holds, picks.heights, owns, self.box[None],
+                here.world.hand.sweeps[family], 0.0,
+            )[:, 0]
+            for family, picks in here.picks.items()
+        ]  # fmt: skip
+        return np.array(bars) * here.present
+
+    @cached_property
+    def clearing(self) -> Clearing:
+        """What to take away before each object."""
+        return self.among.cleared_with(self.bars) if self.bars.any() else self.among.clearing
 
 
 @dataclass(frozen=True, eq=False)
@@ -226,9 +247,17 @@ class Arrangement:
         return self.world.widest + hold.reach
 
     def _carry_alpha(self, to: Arrangement, changed: Sequence[int]) -> None:
-        """Alpha of objects whose ways what moved neither barred nor bars."""
+        """Alpha of objects whose ways what moved neither barred nor bars; and where something is
+        to be taken away first, nobody's ways."""
+        alike = all(
+            np.array_equal(
+                before.barred[:, i] * self.present[i], to.picks[f].barred[:, i] * to.present[i]
+            )
+            for f, before in self.picks.items()
+            for i in changed
+        )
         for (index, grasp), alpha in self.alpha.items():
-            if grasp is not None or index in changed:
+            if grasp is not None or index in changed or (alpha > 0 and not alike):
                 continue
             same = all(
                 (before.barred[index, i] * self.present[i])
@@ -348,58 +377,100 @@ class Arrangement:
         return min(self._of_family(f, index, goal, grasp, extra) for f in families)
 
     def _of_picking(self, index: int, families: Sequence[int], extra: Thought | None) -> int:
-        """Fewest objects in the way of picking an object up."""
+        """Fewest objects to be taken away before an object can be picked up."""
         fewest = 2 * swept.UNREACHABLE
         none = np.zeros(1, dtype=np.int64)
         for family in families:
             plus = none if extra is None else self._pick_barred(family, index, extra.box)
             counts = self.picks[family].counts[index : index + 1]
             fewest = min(fewest, int(swept.residue_minima(counts, none, plus, 1).min()))
+        if 0 < fewest < swept.UNREACHABLE:
+            clearing = self.clearing if extra is None else extra.clearing
+            size = int(clearing.sizes[index])
+            return size if size < NEVER else swept.UNREACHABLE + fewest
         return fewest
 
     def _of_family(
         self, family: int, index: int, goal: GoalSites, grasp: Grasp | None, extra: Thought | None
     ) -> int:
+        """The same with grasps of one family. What nothing bars needs no look at what bars what."""
         ways, picks = self.places_of(index, goal, family, grasp), self.picks[family]
-        plus_place = np.zeros(len(goal.xyz), dtype=np.int64)
-        plus_pick = np.zeros(1, dtype=np.int64)
-        if extra is not None:
-            plus_place = _place_barred(self.world, ways, family, extra.box[None])[:, 0]
-            plus_pick = self._pick_barred(family, index, extra.box)
-        modulus = goal.modulus
-        place = swept.residue_minima(ways.counts, ways.barred[:, index], plus_place, modulus)
-        yaw, standing = goal.world_yaw, self.present[index]
-        if not standing:
-            if grasp is None or yaw is None:
-                return int(place.min())
-            # The grasp fixes the heading of the approach for each heading of the object.
-            return int(place[round((yaw + grasp.heading) / STEP) % modulus])
-        none = np.zeros(1, dtype=np.int64)
-        pick = swept.residue_minima(picks.counts[index : index + 1], none, plus_pick, modulus)
-        turn = 0
-        if yaw is not None:
-            at = self.world.rests(self.placements, index)
-            assert at is not None
-            turn = round((yaw - at[3]) / STEP)
-        if turn % modulus:
-            place = np.roll(place, -turn % modulus)
-        at_least, at_most = int(np.maximum(pick, place).min()), int((pick + place).min())
-        if at_least == at_most or at_least >= swept.UNREACHABLE:
+        none, modulus = np.zeros(len(goal.xyz), dtype=np.int64), goal.modulus
+        plus = none if extra is None else _place_barred(self.world, ways, family, extra.box[None])
+        place = swept.residue_minima(ways.counts, ways.barred[:, index], plus.reshape(-1), modulus)
+        turn = self._turn(index, goal, grasp) % modulus
+        if turn:
+            place = np.roll(place, -turn)
+        if self.present[index]:
+            held_by = none[:1] if extra is None else self._pick_barred(family, index, extra.box)
+            counts = picks.counts[index : index + 1]
+            pick = swept.residue_minima(counts, none[:1], held_by, modulus)
+        else:
+            pick = np.zeros(modulus, dtype=np.int64)
+            if grasp is not None:  # it fixes the heading of the approach for each of the object
+                pick[1:] = 2 * swept.UNREACHABLE
+        at_most = int((pick + place).min())
+        if at_most == 0 or int(np.maximum(pick, place).min()) >= swept.UNREACHABLE:
             return at_most
-        # Something bars both ways: it is to be moved once only.
+        if extra is not None and modulus == 1 and place[0] == 0 and not extra.bars.any():
+            return self._of_family(family, index, goal, grasp, None)
+        size, _ = self._cleared(family, index, goal, grasp, extra, modulus == 1 and place[0] == 0)
+        return size if size < NEVER else swept.UNREACHABLE + at_most
+
+    def _turn(self, index: int, goal: GoalSites, grasp: Grasp | None) -> int:
+        """Headings from the way to an object, or from bit 0 where a grasp holds it, to the way
+        to a goal that prescribes its heading."""
+        yaw = goal.world_yaw
+        if yaw is None:
+            return 0
+        if not self.present[index]:
+            return 0 if grasp is None else round((yaw + grasp.heading) / STEP)
+        at = self.world.rests(self.placements, index)
+        assert at is not None
+        return round((yaw - at[3]) / STEP)
+
+    def _cleared(
+        self,
+        family: int,
+        index: int,
+        goal: GoalSites,
+        grasp: Grasp | None,
+        extra: Thought | None,
+        placeable: bool = False,
+    ) -> tuple[int, Ints]:
+        """Fewest objects to be taken away before an object can be picked up and put at its goal
+        with grasps of a family: how many, and which. `placeable`: nothing bars the latter."""
+        ways, picks = self.places_of(index, goal, family, grasp), self.picks[family]
+        clearing = self.clearing if extra is None else extra.clearing
         counted = np.append(self.present, extra is not None).astype(np.bool_)
         counted[index] = False
-        return int(
-            swept.least_union(
-                np.append(picks.barred[index], plus_pick),
-                picks.reachable[index],
-                np.column_stack([ways.barred, plus_place]),
-                ways.reachable,
-                counted,
-                modulus,
-                turn,
-            )
-        )
+        pick, pickable = np.append(picks.barred[index], 0), int(picks.reachable[index])
+        place, reachable = np.zeros((1, len(counted)), dtype=np.int64), np.array([swept.ALL])
+        if not placeable:
+            plus = np.zeros((len(goal.xyz), 1), dtype=np.int64)
+            if extra is not None:
+                plus = _place_barred(self.world, ways, family, extra.box[None])
+            place, reachable = np.hstack([ways.barred, plus]), ways.reachable
+        if not self.present[index]:
+            pick[:], pickable = 0, swept.ALL if grasp is None else 1
+        elif extra is not None:
+            pick[-1] = extra.bars[self.world.families.index(family), index]
+        found: tuple[int, Ints] = least_clearing(
+            index, pick, pickable, place, reachable, counted, clearing.sets, clearing.sizes,
+            goal.modulus, self._turn(index, goal, grasp) % goal.modulus,
+        )  # fmt: skip
+        return found
+
+    @cached_property
+    def clearing(self) -> Clearing:
+        """What to take away before each object."""
+        return self.cleared_with(np.zeros((len(self.picks), len(self.boxes)), dtype=np.int64))
+
+    def cleared_with(self, bars: Ints) -> Clearing:
+        """The same, with one more object that bars some headings to the others (F, n)."""
+        barred = np.array([picks.barred for picks in self.picks.values()])
+        counts = np.array([picks.counts for picks in self.picks.values()])
+        return clearing_of(barred, counts, bars, self.present)
 
     def _pick_barred(self, family: int, index: int, box: Floats) -> Ints:
         """Bits (1,) of the headings to an object that a box bars."""
@@ -416,6 +487,22 @@ class Arrangement:
         return found
 
     def in_the_way(self, index: int, goal: GoalSites) -> list[int]:
+        """Objects to be taken away before an object can be picked up and put at its goal, for
+        every family in which these are fewest; where there is no such way, those that bar a
+        least barred heading."""
+        waits = self.waits(goal)
+        sets = [
+            (int(self.clearing.sizes[index]), self.clearing.sets[index])
+            if waits
+            else self._cleared(family, index, goal, None, None)
+            for family in self.world.families
+        ]
+        fewest = min(size for size, _ in sets)
+        if fewest < NEVER:
+            return sorted({i for size, found in sets if size == fewest for i in members(found)})
+        return self._bars(index, goal)
+
+    def _bars(self, index: int, goal: GoalSites) -> list[int]:
         """Objects that bar a least barred heading to an object, or to a site of its goal."""
         found: set[int] = set()
         for f in self._best(self.picks[f].counts[index].min() for f in self.world.families):
@@ -449,7 +536,7 @@ class Arrangement:
         at = world.rests_at(self.placements, index, placement)
         if at is None:
             return 1  # on something in the hand, or on what stands on the object itself
-        extra = Thought(index, world.box_row(index, at))
+        extra = Thought(self, index, world.box_row(index, at))
         owner = world.grounds[placement.support].owner
         below = frozenset() if owner is None else self.standing_on(owner)
         count = 0
@@ -460,8 +547,10 @@ class Arrangement:
                 count += 1
                 continue
             goal = world.goal_sites(other, self)
-            if goal is not None and not self._both_far(extra, other, goal):
-                before = self.obstructions(other, goal)
+            if goal is None:
+                continue
+            before = self.obstructions(other, goal)
+            if not self._both_far(extra, other, goal) or (before > 0 and extra.bars.any()):
                 count += self.obstructions_with(other, goal, None, extra) > before
         return count
 

@@ -166,52 +166,6 @@ def residue_minima(counts, minus, plus, modulus):  # type: ignore[no-untyped-def
 
 
 @njit(cache=True)
-def least_union(pick, pick_reachable, place, place_reachable, counted, modulus, turn):  # type: ignore[no-untyped-def]
-    """Fewest objects that bar one heading to an object or one heading to a site of its goal.
-
-    `pick` (n,) and `place` (S, n) are headings that each object bars, `counted` (n,) tells
-    which objects are there. The heading at the site is that to the object plus `turn`,
-    modulo `modulus`. An object that bars both headings counts once.
-    """
-    words = (len(counted) + 62) // 63
-    before = np.zeros((HEADINGS, words), dtype=np.int64)
-    after = np.zeros((HEADINGS, words), dtype=np.int64)
-    _transpose(pick, counted, before)
-    best = 2 * UNREACHABLE
-    for i in range(place.shape[0]):
-        after[:] = 0
-        _transpose(place[i], counted, after)
-        for k in range(HEADINGS):
-            if not (pick_reachable >> k) & 1 or _bits(before[k]) >= best:
-                continue
-            for m in range((k + turn) % modulus, HEADINGS, modulus):
-                if (place_reachable[i] >> m) & 1:
-                    best = min(best, _bits(before[k] | after[m]))
-    return best
-
-
-@njit(cache=True)
-def _transpose(barred, counted, sets):  # type: ignore[no-untyped-def]
-    """From the headings that each object bars to the set of objects that bar each heading,
-    63 objects a word."""
-    for j in range(len(counted)):
-        if counted[j]:
-            for k in range(HEADINGS):
-                sets[k, j // 63] |= ((barred[j] >> k) & 1) << (j % 63)
-
-
-@njit(cache=True)
-def _bits(words):  # type: ignore[no-untyped-def]
-    """How many bits of some words are set."""
-    count = 0
-    for word in words:
-        while word:
-            word &= word - 1
-            count += 1
-    return count
-
-
-@njit(cache=True)
 def open_headings(sites, hold, height, own, statics, hand):  # type: ignore[no-untyped-def]
     """Bits of the headings at each site (S, 3) along which nothing fixed bars the way."""
     out = np.zeros(sites.shape[0], dtype=np.int64)
@@ -334,19 +288,3 @@ def nearest_static(x, y, statics, low, high):  # type: ignore[no-untyped-def]
         if statics[w, 2] + statics[w, 5] > low and statics[w, 2] - statics[w, 5] < high:
             best = min(best, point_distance(statics[w], x, y))
     return best
-
-
-@njit(cache=True)
-def least_barred(counts, minus):  # type: ignore[no-untyped-def]
-    """Bits (S,) of the headings that fewest objects bar, over all sites; `minus` (S,) are
-    headings barred by an object to be left out of the counts (S, K)."""
-    best = np.int64(2 * UNREACHABLE)
-    for i in range(counts.shape[0]):
-        for k in range(HEADINGS):
-            best = min(best, counts[i, k] - ((minus[i] >> k) & 1))
-    out = np.zeros(counts.shape[0], dtype=np.int64)
-    for i in range(counts.shape[0]):
-        for k in range(HEADINGS):
-            if counts[i, k] - ((minus[i] >> k) & 1) == best:
-                out[i] |= 1 << k
-    return out
