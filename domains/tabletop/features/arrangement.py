@@ -359,8 +359,8 @@ class Arrangement:
     # -- alpha ----------------------------------------------------------------------------------
 
     def obstructions(self, index: int, goal: GoalSites, grasp: Grasp | None = None) -> int:
-        """alpha: fewest objects in the way of picking an object up and putting it at its
-        goal, with the same grasp for both; of putting it alone where it is held already."""
+        """alpha: fewest objects to be taken away before an object can be picked up and put at its
+        goal, with the same grasp for both; before it can be put there where it is held already."""
         key = (index, grasp)
         found = self.alpha.get(key)
         if found is None:

@@ -74,7 +74,7 @@ def misplaced(state: State) -> frozenset[int]:
 
 
 def obstructions(state: State, index: int) -> int:
-    """alpha of an object: fewest objects in the way of picking it up and of putting it
+    """alpha of an object: fewest objects to be taken away before it can be picked up and put
     at its goal with the same grasp (0 for an object without a goal)."""
     here = arrangement(state.world, state.placements)
     goal = state.world.goal_sites(index, here)
