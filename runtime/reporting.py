@@ -131,10 +131,16 @@ class ClassicalDocument:
             "sketch": self.sketch,
             "planner": self.planner,
             "seed": self.seed,
+            **({} if self.outcome.solved else {"failure": self.failure}),
             "subgoals": subgoals,
             "actions": actions,
         }
         write_text(path, json.dumps(data, indent=1) + "\n")
+
+    @property
+    def failure(self) -> dict[str, Any]:
+        """Why the plan does not go on to the goal."""
+        return {"reason": self.outcome.reason, "why": self.outcome.why}
 
     def validate(self) -> ClassicalVerdict:
         """Replay the actions by the domain's own successors."""

@@ -12,12 +12,14 @@ from typing import Any
 import numpy as np
 
 from runtime.collector import spared
+from runtime.reasons.circle import loop_of
+from runtime.reasons.explain import SAID, explain
 from runtime.reporting import ClassicalReporting, Document, Reporting
 from runtime.search.classical import ClassicalProblem
 from runtime.search.limits import Limits
 from runtime.search.planners import DEFAULT, PLANNERS
 from runtime.search.problem import SearchProblem
-from runtime.search.siw_r import Outcome, Progress
+from runtime.search.siw_r import End, Outcome, Progress
 from sketchlang.checking.checker import CheckedSketch
 from sketchlang.compile import CompiledSketch, compile_sketch, obstacles
 from sketchlang.domain import LoadOptions, SceneError, position_of
@@ -46,10 +48,6 @@ def solve(
         return PLANNERS[planner](sketch, problem, limits, rng, progress)
 
 
-SAID = 3
-"""Findings that are told in the reason for an unsolved task; all are in the report."""
-
-
 @dataclass(frozen=True, eq=False)
 class Task:
     """A sketch and a scene, ready to be solved."""
@@ -59,6 +57,12 @@ class Task:
     reporting: Reporting
     scene: str
     seed: int
+    checked: CheckedSketch
+
+    def warnings(self) -> list[dict[str, Any]]:
+        """What is to be said before a run: that the sketch is not proved to terminate."""
+        loop = loop_of(self.sketch.model)
+        return [] if loop is None else [loop.warning]
 
     def solve(
         self,
@@ -73,15 +77,29 @@ class Task:
         hopeless = self.reporting.hopeless()
         if hopeless:
             outcome = Outcome(state=self.problem.initial, seconds=limits.elapsed())
+            outcome.end = End.HOPELESS
             outcome.reason = "; ".join(finding["text"] for finding in hopeless[:SAID])
             outcome.why, outcome.stuck = hopeless, self.sketch.evaluate(self.problem.initial)
         else:
             rng = np.random.default_rng(self.seed)
             outcome = solve(self.sketch, self.problem, limits, rng, planner, progress)
             if not outcome.solved:
-                outcome.why = self.reporting.why(outcome)
+                self._explain(outcome, limits)
         document = self.reporting.document(self.sketch.model, outcome, planner, self.seed)
         return Result(self, planner, outcome, document)
+
+    def _explain(self, outcome: Outcome, limits: Limits) -> None:
+        """Say why an outcome is not solved."""
+        domain = self.checked.domain
+        explain(
+            outcome,
+            self.sketch.model,
+            self.reporting.describe,
+            self.reporting.why(outcome),
+            limits.k_max,
+            self.checked.atoms,
+            {} if domain is None else domain.atoms,
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,7 +135,7 @@ def open_task(checked: CheckedSketch, scene: str, seed: int = 0, robot: str | No
     path, name = find_scene(scene)
     options = LoadOptions(name, seed, robot, dict(domain.actions))
     problem, reporting = _opened(domain.name, _loaded(domain, path, options))
-    return Task(compile_sketch(checked), problem, reporting, name, seed)
+    return Task(compile_sketch(checked), problem, reporting, name, seed, checked)
 
 
 def _loaded(domain: Any, path: Path, options: LoadOptions) -> Any:

@@ -11,6 +11,7 @@ from domains.pddl.ground.task import GroundTask
 from domains.pddl.plan import plan_text, step_of
 from domains.pddl.replay import Verdict, replay
 from domains.pddl.successors import Successors
+from runtime.plan.partial import MARK
 from runtime.reporting import Document, Profile
 from runtime.search.siw_r import Outcome
 from sketchlang.files import write_text
@@ -45,6 +46,7 @@ class PddlDocument:
         pddl = self.task.pddl
         rules = ", ".join(subgoal.rule for subgoal in self.outcome.subgoals)
         notes = {
+            **({} if self.outcome.solved else {MARK: self.outcome.reason}),
             "sketchlang": __version__,
             "domain": pddl.domain.source.name,
             "task": pddl.source.name,

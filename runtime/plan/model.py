@@ -48,12 +48,23 @@ class PlanSubgoal:
     rejected: Mapping[str, int]
 
 
+@dataclass(frozen=True)
+class Failure:
+    """Why a plan does not go on to the goal: the reason in one sentence, the feature values by
+    name where it ends, and findings as plain data, each with a `text`."""
+
+    reason: str
+    stuck: Mapping[str, int] = field(default_factory=dict)
+    why: tuple[Mapping[str, Any], ...] = ()
+
+
 @dataclass(frozen=True, eq=False)
 class Plan:
     """A plan as it is on disk: bodies, supports and joints by name, so that it reads by itself.
 
-    `objects` are the names of all movables of the world, `joints` those of the planning joints
-    (empty in files of version 1, which do not say them).
+    A partial plan, of a run that did not reach the goal, has a `failure`. `objects` are the
+    names of all movables of the world, `joints` those of the planning joints (empty in files of
+    version 1, which do not say them).
     """
 
     sketch: str
@@ -69,6 +80,7 @@ class Plan:
     actions: tuple[PlanAction, ...]
     joints: tuple[str, ...] = ()
     tool_version: str = ""
+    failure: Failure | None = None
     path: str = field(default="", compare=False)
 
     @property

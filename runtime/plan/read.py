@@ -7,7 +7,7 @@ from typing import Any
 
 from runtime.motion.motion import ArmMove, Attach, BaseMove, Carried, GripperMove, Piece, Release
 from runtime.plan.fields import base_poses_of, times_of
-from runtime.plan.model import Plan, PlanAction, PlanSubgoal, TimedPiece
+from runtime.plan.model import Failure, Plan, PlanAction, PlanSubgoal, TimedPiece
 from runtime.plan.node import LONGEST, Node, index_of, name_of, one_pose_of, poses_of, read_json
 from runtime.plan.version_1 import action_of_version_1
 from runtime.plan.write import FORMAT, VERSION
@@ -27,7 +27,7 @@ def plan_of(data: Node) -> Plan:
     version = _version(data)
     data.only(
         *("format", "version", "tool_version", "sketch", "scene", "robot", "planner", "seed"),
-        *("objects", "base_start", "subgoals", "actions"),
+        *("objects", "base_start", "subgoals", "actions", "failure"),
     )
     scene, robot = data["scene"], data["robot"]
     scene.only("name", "digest")
@@ -56,6 +56,7 @@ def plan_of(data: Node) -> Plan:
         actions=actions,
         joints=joints,
         tool_version=data["tool_version"].text(),
+        failure=_failure(data.get("failure")),
         path=data.file,
     )
     if plan.execution_time > LONGEST:
@@ -77,6 +78,18 @@ def _version(data: Node) -> int:
             hint=f"it was written by {age} sketchlang; plan the scene again",
         )
     return version
+
+
+def _failure(node: Node | None) -> Failure | None:
+    if node is None:
+        return None
+    node.only("reason", "stuck", "why")
+    why = []
+    for entry in node["why"].each():
+        entry["text"].text()
+        why.append({key: value.value for key, value in entry.items()})
+    stuck = {name: value.whole() for name, value in node["stuck"].items()}
+    return Failure(node["reason"].text(), stuck, tuple(why))
 
 
 def _names(node: Node) -> list[str]:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from runtime.motion.motion import ArmMove, BaseMove, Carried, GripperMove
-from runtime.plan.model import Plan, PlanAction, TimedPiece
+from runtime.plan.model import Failure, Plan, PlanAction, TimedPiece
 from runtime.world.poses import Floats
 from sketchlang.files import write_text
 
@@ -31,6 +31,7 @@ def to_json(plan: Plan) -> dict[str, Any]:
     return {
         "format": FORMAT,
         "version": VERSION,
+        **_failure(plan.failure),
         "tool_version": plan.tool_version,
         "sketch": plan.sketch,
         "scene": {"name": plan.scene, "digest": plan.scene_digest},
@@ -55,6 +56,13 @@ def to_json(plan: Plan) -> dict[str, Any]:
         ],
         "actions": [_action(action) for action in plan.actions],
     }
+
+
+def _failure(failure: Failure | None) -> dict[str, Any]:
+    if failure is None:
+        return {}
+    why = [dict(finding) for finding in failure.why]
+    return {"failure": {"reason": failure.reason, "stuck": dict(failure.stuck), "why": why}}
 
 
 def _rounded(array: Floats) -> list[Any]:

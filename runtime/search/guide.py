@@ -8,6 +8,7 @@ from operator import attrgetter
 
 from runtime.search.problem import Action, Motion, State
 from sketchlang.compile import CompiledSketch
+from sketchlang.model import Effect
 
 Values = tuple[int, ...]
 GOAL = "goal"
@@ -54,6 +55,8 @@ class Guide:
         self._values: dict[Hashable, tuple[Values, State]] = {}
         self._key = _looked_at(sketch.ignores)
         self._doubts = DOUBTED if sketch.ignores else 0
+        self.hopeful = False
+        """Whether some state of this subproblem was a subgoal, whatever X said of it."""
 
     def values(self, state: State) -> Values:
         """Feature values of a state."""
@@ -69,9 +72,19 @@ class Guide:
             self.sketch.confirm(state, values)
         return values
 
+    def seen(self) -> dict[Values, State]:
+        """Feature values of the states of this subproblem so far, with a state for each."""
+        return dict(reversed(self._values.values()))
+
+    @property
+    def known(self) -> int:
+        """How many states are remembered, those apart that features cannot tell apart."""
+        return len(self._values)
+
     def forget(self) -> None:
         """Drop remembered values: states of a finished subproblem do not come back."""
         self._values.clear()
+        self.hopeful = False
 
     def atoms(self, state: State) -> tuple[Hashable, ...]:
         """The novelty atoms F_H that are true in a state, told apart by their family."""
@@ -92,12 +105,22 @@ class Guide:
         goal state, else None."""
         for rule in self.model.rules:
             if rule.satisfied_by(before, after):
+                self.hopeful = True
                 return rule.name
-        return GOAL if self.is_goal(after, state) else None
+        if not self.is_goal(after, state):
+            return None
+        self.hopeful = True
+        return GOAL
 
-    def applicable(self, values: Values) -> list[str]:
-        """Names of the rules whose conditions hold."""
-        return [rule.name for rule in self.model.rules if rule.applies(values)]
+    def usable(self, values: Values) -> list[int]:
+        """The rules whose conditions hold and whose effects can happen: a nat that is 0 does not
+        fall."""
+        return [
+            number
+            for number, rule in enumerate(self.model.rules)
+            if rule.applies(values)
+            and all(values[f] for f, effect in rule.effects.items() if effect is Effect.DEC)
+        ]
 
 
 def _looked_at(ignores: frozenset[str]) -> Callable[[State], Hashable]:

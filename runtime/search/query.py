@@ -45,7 +45,8 @@ class Query:
         self.limits.check()
         self.effort.generated += 1
         sampled = len(self.rejections) > 0 or getattr(self.subproblem, "sampled", False)
-        if sampled and self.spent + self.effort.generated > self.limits.generated:
+        most = self.limits.generated if self.guide.hopeful else self.limits.blind
+        if sampled and self.spent + self.effort.generated > most:
             raise OutOfPatienceError
 
     def execute(self, state: State, action: Action) -> Motion | None:

@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from enum import Enum
 from functools import partial
 from typing import Any, Protocol, runtime_checkable
 
@@ -21,19 +22,30 @@ from runtime.search.guide import Guide, Subgoal, Values
 from runtime.search.iw import iw
 from runtime.search.lazy_iw import LazyIW
 from runtime.search.limits import Limits, OutOfPatienceError, OutOfTimeError
-from runtime.search.problem import Action, Motion, Rejection, SearchProblem, State
+from runtime.search.problem import Action, Motion, Rejection, SearchProblem, State, Subproblem
 from runtime.search.query import Effort, Query
+from runtime.search.retrospect import Retrospect, look_back
 from sketchlang.compile import CompiledSketch
 from sketchlang.model import Kind
 
 
+class End(Enum):
+    """How a search ended that did not solve its problem."""
+
+    NO_RULE = "no rule applies"
+    NO_SUBGOAL = "no subgoal was found"
+    CIRCLE = "a state came again"
+    TIME = "the time was over"
+    HOPELESS = "it did not begin: the domain knew that there is no plan"
+
+
 @dataclass
 class Outcome:
-    """What a search reached, and the seconds it took. Where it did not solve the problem,
-    `reason` says why it ended, `stuck` are the feature values there, and `rejections` what X
-    refused in the last subproblem; `returned_to` is set where the state was that after so
-    many subgoals again: the sketch runs in a circle. `why` are findings about what is in the
-    way of what."""
+    """What a search reached, and the seconds it took. Where it did not solve the problem, `end`
+    tells how it ended, `reason` says so in a sentence, `stuck` are the feature values there, and
+    `rejections` what X refused in the last subproblem; `returned_to` is set where the state was
+    that after so many subgoals again: the sketch runs in a circle. `retrospect` is what the last
+    search came near to; `why` are findings about what is in the way of what."""
 
     solved: bool = False
     subgoals: list[Subgoal] = field(default_factory=list)
@@ -44,6 +56,8 @@ class Outcome:
     rejections: list[Rejection] = field(default_factory=list)
     seconds: float = 0.0
     returned_to: int | None = None
+    end: End | None = None
+    retrospect: Retrospect | None = None
     why: list[dict[str, Any]] = field(default_factory=list)
 
 
@@ -101,20 +115,21 @@ def serialize(
     guide = Guide(sketch)
     outcome = Outcome(state=problem.initial)
     been: dict[State, int] = {outcome.state: 0}
+    tried: list[Subproblem] = []
     try:
         while True:
             values = guide.values(outcome.state)
             if guide.is_goal(values, outcome.state):
                 outcome.solved = True
                 break
-            outcome.rejections = []
+            outcome.rejections, tried = [], []
             subgoal = find_subgoal(
                 search, guide, problem, outcome.state, limits, rng, outcome.effort,
-                outcome.rejections,
+                outcome.rejections, tried,
             )  # fmt: skip
             if subgoal is None:
                 outcome.stuck = values
-                outcome.reason = _why(guide, values)
+                outcome.end, outcome.reason = _why(guide, values)
                 break
             outcome.subgoals.append(subgoal)
             outcome.state = subgoal.states[-1]
@@ -124,11 +139,16 @@ def serialize(
             before = been.setdefault(outcome.state, len(outcome.subgoals))
             if before < len(outcome.subgoals):
                 outcome.stuck, outcome.returned_to = guide.values(outcome.state), before
-                outcome.reason = _loop(outcome, before)
+                outcome.end, outcome.reason = End.CIRCLE, _loop(outcome, before)
                 break
     except OutOfTimeError:
         outcome.stuck = guide.values(outcome.state)
+        outcome.end = End.TIME
         outcome.reason = f"the time limit of {limits.timeout:g} s is over"
+    # Where a first search had no end, nothing can be said of what it would not have found.
+    if outcome.end is End.NO_SUBGOAL or (outcome.end is End.TIME and len(tried) > 1):
+        values = guide.values(outcome.state)
+        outcome.retrospect = look_back(guide, tried, outcome.state, values)
     outcome.seconds = limits.elapsed()
     return outcome
 
@@ -158,19 +178,22 @@ def find_subgoal(
     rng: np.random.Generator,
     effort: Effort,
     rejections: list[Rejection],
+    tried: list[Subproblem] | None = None,
 ) -> Subgoal | None:
     """One round: a subplan from a state to a subgoal, or None. Nodes are added to `effort`,
-    what X refuses to `rejections`.
+    what X refuses to `rejections`, and the samples of each attempt to `tried`.
 
     Raises:
         OutOfTimeError: when the limits say so.
     """
     values = guide.values(state)
-    guided = not guide.model.rules or bool(guide.applicable(values))
+    guided = not guide.model.rules or bool(guide.usable(values))
     spent = 0
     for attempt, k in schedule(limits, guided):
         limits.check()
         subproblem = problem.subproblem(state, attempt, rng)
+        if tried is not None:
+            tried.append(subproblem)
         query = Query(
             guide, subproblem, state, values, k, limits, rejections=rejections, spent=spent
         )
@@ -201,13 +224,14 @@ def find_subgoal(
     return None
 
 
-def _why(guide: Guide, values: Values) -> str:
-    rules = guide.applicable(values)
-    if guide.model.rules and not rules:
-        return f"no rule of the sketch applies at {{{_valuation(guide, values)}}}"
+def _why(guide: Guide, values: Values) -> tuple[End, str]:
+    rules = guide.model.rules
+    usable = [rules[number].name for number in guide.usable(values)]
+    if rules and not usable:
+        return End.NO_RULE, f"no rule of the sketch applies at {{{_valuation(guide, values)}}}"
     if not rules:
-        return "no goal state was found"
-    return f"no subgoal of {' or '.join(rules)} was found"
+        return End.NO_SUBGOAL, "no goal state was found"
+    return End.NO_SUBGOAL, f"no subgoal of {' or '.join(usable)} was found"
 
 
 def _valuation(guide: Guide, values: Values) -> str:

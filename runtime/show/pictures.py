@@ -167,11 +167,13 @@ def _floor_seen(eye: Floats, target: Floats, aspect: float) -> Floats:
 
 
 def moments(trace: Trace) -> Iterator[tuple[str, float]]:
-    """Names and times of the pictures: the start, the end of each subgoal, the end."""
+    """Names and times of the pictures: the start, the end of each subgoal, the end, which is
+    called `failure` where a partial plan ends."""
     yield "start", 0.0
     for number, subgoal in enumerate(trace.subgoals, 1):
         yield f"subgoal-{number:02d}-{file_part(subgoal.rule)}", subgoal.end
-    yield "end", trace.duration
+    partial = trace.source == "plan" and any(event.kind == "verdict" for event in trace.events)
+    yield "failure" if partial else "end", trace.duration
 
 
 def write_pictures(trace: Trace, folder: Path) -> list[Path]:

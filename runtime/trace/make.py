@@ -17,6 +17,7 @@ from runtime.robot.model import Floats, RobotModel
 from runtime.trace.kinematics import Tree
 from runtime.trace.model import (
     WORLD,
+    Event,
     Grip,
     Span,
     Trace,
@@ -182,6 +183,7 @@ class _Maker:
             grips=tuple(self.grips),
             objects=tuple(map(tuple, self.objects)),
             guided={name: tuple(spans) for name, spans in self.guided.items()},
+            events=self._failure(),
         )
 
     def _subgoals(self, actions: list[TraceAction]) -> tuple[TraceSubgoal, ...]:
@@ -210,6 +212,17 @@ class _Maker:
                 )
             )
         return tuple(found)
+
+    def _failure(self) -> tuple[Event, ...]:
+        """Of a partial plan: that it ends, why, and what else is known about it."""
+        failure = self.plan.failure
+        if failure is None:
+            return ()
+        others = [finding["text"] for finding in failure.why if finding["text"] != failure.reason]
+        return (
+            Event(self.now, "verdict", failure.reason),
+            *(Event(self.now, "finding", text) for text in others),
+        )
 
     def _fail(self, where: str, message: str) -> InputError:
         return InputError(

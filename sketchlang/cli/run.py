@@ -22,6 +22,7 @@ from sketchlang.cli.common import (
 )
 
 if TYPE_CHECKING:
+    from runtime.solve import Result
     from sketchlang.loader import Loaded
 
 
@@ -64,7 +65,11 @@ Examples:
     shell_complete=names.robots,
     help="Name or robot file (.toml), where the domain has robots.",
 )
-@click.option("--out", type=click.Path(path_type=Path, dir_okay=False), help="Write the plan here.")
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="Write the plan here; of an unsolved run, what it reached to NAME.unsolved.json.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else.")
 @domain_option
 @domain_pddl_option
@@ -124,6 +129,9 @@ def _run(
     planner = planner or DEFAULT
     progress = Speaker(quiet=as_json)
     progress(f"{task.sketch.model.name} on {task.scene}, planner {planner}, seed {seed}")
+    warnings = task.warnings()
+    for warning in warnings:
+        progress(f"warning: {warning['text']}")
     result = task.solve(
         Limits(timeout=timeout, k_max=k_max),
         planner,
@@ -132,16 +140,37 @@ def _run(
         ),
     )
     report = make_report(result)
-    if out is not None and result.solved:
-        result.plan.save(out)
+    if warnings:
+        report["warnings"] = warnings
+    said = _save(result, out)
     if not as_json:
-        for line in summary(report):
+        for line in summary(report) + said:
             say(line)
-        if out is not None and result.solved:
-            say(f"plan written to {out}")
-        elif out is not None and out.exists():
-            say(f"{out} was there before and is left as it was")
     return report
+
+
+def _save(result: Result, out: Path | None) -> list[str]:
+    """Write the plan, or what an unsolved run reached beside it, and say so."""
+    from runtime.plan.partial import may_write, partial_path
+    from sketchlang.errors import InputError
+    from sketchlang.files import is_special
+
+    if out is None:
+        return []
+    if result.solved:
+        result.plan.save(out)
+        return [f"plan written to {out}"]
+    said = [f"{out} was there before and is left as it was"] if out.exists() else []
+    partial = partial_path(out)
+    if is_special(out):
+        return []
+    if not may_write(partial):
+        return [*said, f"{partial} is no partial plan and is left as it was"]
+    try:
+        result.plan.save(partial)
+    except InputError as error:
+        return [*said, f"what was reached is not written: {error}"]
+    return [*said, f"what was reached is written to {partial}"]
 
 
 class Speaker:

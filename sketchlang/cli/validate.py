@@ -13,6 +13,7 @@ from sketchlang.cli import names
 from sketchlang.cli.common import domain_pddl_option, fail, interruptible, say
 
 if TYPE_CHECKING:
+    from runtime.plan.model import Plan
     from sketchlang.compile import CompiledSketch
 
 
@@ -59,6 +60,8 @@ def command(
     and floor at a dense resolution, grasps, supports and stability, and the goal. With
     --sketch, features are computed anew and rules and goal of the sketch checked.
 
+    A partial plan, which an unsolved run leaves, is judged as far as it goes, and is not valid.
+
     Exit 0: valid. 1: not valid. 2: the file cannot be read.
     """
     from domains.pddl.plan import is_plan
@@ -78,6 +81,8 @@ def command(
         seconds = time.perf_counter() - started
     except InputError as error:
         fail(error)
+    valid = certificate.valid and document.failure is None
+    partial = {} if document.failure is None else {"partial": document.failure.reason}
     if as_json:
         findings = [
             {"action": finding.action, "message": finding.message}
@@ -88,7 +93,8 @@ def command(
                 {
                     "plan": str(plan),
                     "scene": document.scene,
-                    "valid": certificate.valid,
+                    "valid": valid,
+                    **partial,
                     "findings": findings,
                     "actions": certificate.actions,
                     "samples": certificate.samples,
@@ -96,6 +102,10 @@ def command(
                 }
             )
         )
+    elif document.failure is not None:
+        _say_partial(plan, document.failure.reason, len(document.subgoals), len(document.actions))
+        for finding in certificate.findings:
+            _say_finding(finding.action, finding.message, document)
     elif certificate.valid:
         say(
             f"{plan} is valid: {certificate.actions} actions on {document.scene}, "
@@ -104,12 +114,23 @@ def command(
     else:
         say(f"{plan} is not valid:")
         for finding in certificate.findings:
-            where = "plan" if finding.action is None else f"action {finding.action + 1}"
-            if finding.action is not None:
-                action = document.actions[finding.action]
-                where += f" ({action.text})"
-            say(f"  {where}: {finding.message}")
-    raise SystemExit(0 if certificate.valid else 1)
+            _say_finding(finding.action, finding.message, document)
+    raise SystemExit(0 if valid else 1)
+
+
+def _say_finding(number: int | None, message: str, plan: Plan) -> None:
+    where = "plan"
+    if number is not None:
+        where = f"action {number + 1} ({plan.actions[number].text})"
+    say(f"  {where}: {message}")
+
+
+def _say_partial(path: Path, reason: str, subgoals: int | None, actions: int) -> None:
+    """That a file is a partial plan, how far it goes, and why not further."""
+    from runtime.report import counted
+
+    after = "" if subgoals is None else f"{counted(subgoals, 'subgoal')} and "
+    say(f"{path} is a partial plan, of {after}{counted(actions, 'action')}: {reason}")
 
 
 def _validate_pddl(
@@ -120,6 +141,7 @@ def _validate_pddl(
     from domains.pddl.plan import read_plan
     from domains.pddl.replay import replay
     from domains.pddl.syntax.read import load, read_domain, read_task
+    from runtime.plan.partial import MARK
     from sketchlang.errors import InputError
 
     try:
@@ -132,24 +154,30 @@ def _validate_pddl(
         verdict = replay(read_task(load(task), domain), document.steps)
     except InputError as error:
         fail(error)
+    reason = document.notes.get(MARK)
+    valid = verdict.valid and reason is None
+    partial = {} if reason is None else {"partial": reason}
     if as_json:
         found = [{"action": f.action, "message": f.message} for f in verdict.findings]
-        report = {"plan": str(plan), "scene": task, "valid": verdict.valid, "findings": found}
+        report = {"plan": str(plan), "scene": task, "valid": valid, **partial, "findings": found}
         click.echo(json.dumps({**report, "actions": len(document.steps), "cost": verdict.cost}))
-    elif verdict.valid:
+    elif valid:
         say(
             f"{plan} is valid: {len(document.steps)} actions on {task}, cost {verdict.cost}, "
             "goal reached"
         )
     else:
-        say(f"{plan} is not valid:")
+        if reason is None:
+            say(f"{plan} is not valid:")
+        else:
+            _say_partial(plan, reason, None, len(document.steps))
         for finding in verdict.findings:
             where = "plan" if finding.action is None else f"action {finding.action + 1}"
             if finding.action is not None:
                 step = document.steps[finding.action]
                 where += f" ({' '.join((step.name, *step.arguments))})"
             say(f"  {where}: {finding.message}")
-    raise SystemExit(0 if verdict.valid else 1)
+    raise SystemExit(0 if valid else 1)
 
 
 def _compiled(name: str) -> CompiledSketch:

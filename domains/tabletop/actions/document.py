@@ -5,6 +5,7 @@ from __future__ import annotations
 from domains.tabletop.world import TabletopWorld
 from runtime.motion import timing
 from runtime.plan.model import Plan, PlanAction, PlanSubgoal
+from runtime.plan.partial import failure_of
 from runtime.search.siw_r import Outcome
 from sketchlang.model import SketchModel
 from sketchlang.version import __version__
@@ -52,4 +53,5 @@ def document(
         actions=tuple(actions),
         joints=world.robot.joints,
         tool_version=__version__,
+        failure=None if outcome.solved else failure_of(outcome, names),
     )

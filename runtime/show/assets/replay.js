@@ -392,8 +392,10 @@
     return item;
   });
   $("events-box").hidden = !trace.events.length;
+  const isFailed = (event) => event.kind === "verdict" && event.text !== "goal reached";
+  const failure = trace.source === "plan" ? trace.events.find(isFailed) : undefined; // of a partial plan
   for (const event of trace.events) {
-    const failed = event.kind === "verdict" && event.text !== "goal reached";
+    const failed = isFailed(event);
     const item = make("li", failed ? "verdict failure" : event.kind, `${clock(event.time)}  ${event.text}`);
     item.addEventListener("click", () => seek(event.time));
     $("events").append(item);
@@ -477,7 +479,8 @@
       cursor.setAttribute("x2", mark);
     }
     const action = trace.actions[current(trace.actions, t)];
-    $("caption").replaceChildren(...(action
+    $("caption").replaceChildren(...(failure && t >= failure.time
+      ? [make("b", "", "no plan"), ` · ${failure.text}`] : action
       ? [make("b", "", trace.subgoals[number].rule), ` · ${describe(action)}`] : ["nothing to do"]));
     $("clock").textContent = `${clock(t)} / ${clock(trace.duration)}`;
     $("seek").value = t;
@@ -543,7 +546,8 @@
     }
     requestAnimationFrame(frame);
   };
-  show(0);
+  if (failure) seek(failure.time);
+  show(now);
   requestAnimationFrame(frame);
   // For tests and for screenshots.
   window.replay = {

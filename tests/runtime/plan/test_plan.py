@@ -110,7 +110,7 @@ def documented(heading: str) -> set[str]:
 
 
 def test_a_produced_plan_has_the_documented_keys(plan_data) -> None:
-    assert set(plan_data) == documented("Plan files")
+    assert set(plan_data) == documented("Plan files") - {"failure"}  # of partial plans only
     assert all(set(subgoal) == documented("Subgoals") for subgoal in plan_data["subgoals"])
     assert all(set(action) == documented("Actions") for action in plan_data["actions"])
 

@@ -63,6 +63,7 @@ class Guide:
     def __init__(self, graph: Graph, own_atoms: bool) -> None:
         self.graph = graph
         self.own_atoms = own_atoms
+        self.hopeful = False
 
     def atoms(self, state: int) -> tuple[Hashable, ...]:
         if self.own_atoms:

@@ -28,6 +28,7 @@ def test_a_sibling_with_nothing_new_is_not_even_executed() -> None:
         atoms=lambda state: ("start",) if state == "start" else ("same",),
         values=lambda state: (0,),
         fired=lambda *_: None,
+        hopeful=False,
     )
     twins = Twins()
     query = Query(guide, twins, "start", (0,), 1, Limits())

@@ -1,0 +1,120 @@
+"""The reason for an unsolved outcome, in one sentence, and all findings about it.
+
+Of what is known the surest comes first: a state that came again, no rule, what the domain has
+tested; then subgoals that were there, near misses, and what the domain only estimates.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from runtime.reasons.circle import circle
+from runtime.reasons.effects import finding_of
+from runtime.reasons.rules import no_rule
+from runtime.reasons.width import Families, pruned
+from runtime.search.retrospect import Found
+from runtime.search.siw_r import End, Outcome
+from sketchlang.analysis.words import listed
+from sketchlang.model import SketchModel
+
+Finding = dict[str, Any]
+Describe = Callable[[Sequence[Any]], str]
+
+SAID = 3
+"""Findings that a reason tells; all are in the report."""
+
+
+def explain(
+    outcome: Outcome,
+    model: SketchModel,
+    describe: Describe,
+    domain: list[Finding],
+    k: int,
+    used: Sequence[str] = (),
+    offered: Families | None = None,
+) -> None:
+    """Write the reason and the findings into an unsolved outcome. `domain` are the findings of
+    the domain; `certain` in one of them says that no search would change it. `used` and
+    `offered` are the families of atoms of the sketch and of the domain, `k` the largest width."""
+    assert outcome.stuck is not None
+    sure = [finding for finding in domain if finding.get("certain")]
+    unsure = [finding for finding in domain if not finding.get("certain")]
+    if outcome.end is End.CIRCLE:
+        assert outcome.returned_to is not None
+        rules = [subgoal.rule for subgoal in outcome.subgoals[outcome.returned_to :]]
+        first = circle(model, rules, outcome.returned_to)
+        outcome.why = [first, *domain]
+        outcome.reason = first["text"]
+        return
+    if outcome.end is End.NO_RULE:
+        first = no_rule(model, outcome.stuck)
+        outcome.why = [first, *domain]
+        outcome.reason = first["text"]
+        return
+    searched = _searched(outcome, model, describe, k, used, offered or {})
+    certain = [f for f in searched if f["cause"] in ("width", "refused")]
+    effects = [f for f in searched if f["cause"] == "effect"]
+    idle = [f for f in searched if f["cause"] == "not reached"]
+    outcome.why = [*sure, *certain, *effects, *unsure, *idle]
+    if outcome.end is End.TIME or not outcome.why:
+        return
+    first = outcome.why[0]
+    said = outcome.why[:SAID] if first.get("certain") else [first]
+    said = [finding for finding in said if finding.get("certain") == first.get("certain")]
+    text = "; ".join(finding["text"] for finding in said)
+    outcome.reason = text if first in certain or first in effects else f"{outcome.reason}: {text}"
+
+
+def _searched(
+    outcome: Outcome,
+    model: SketchModel,
+    describe: Describe,
+    k: int,
+    used: Sequence[str],
+    offered: Families,
+) -> list[Finding]:
+    """What the last search came near to."""
+    seen = outcome.retrospect
+    if seen is None or outcome.stuck is None:
+        return []
+    found = []
+    for subgoal in seen.subgoals:
+        done = describe(subgoal.actions)
+        if subgoal.refusal is None:
+            found.append(pruned(subgoal, outcome.state, done, k, used, offered))
+        else:
+            found.append(_refused(subgoal, done))
+    reached = {subgoal.rule for subgoal in seen.subgoals}
+    for miss in seen.misses:
+        if model.rules[miss.rule].name in reached or (outcome.rejections and not miss.executable):
+            continue
+        done = describe(miss.actions) if miss.actions else ""
+        found.append(finding_of(model, miss, outcome.stuck, done))
+    return found
+
+
+def _refused(subgoal: Found, done: str) -> Finding:
+    assert subgoal.refusal is not None
+    refusal = subgoal.refusal
+    step = STEPS.get(refusal.step, refusal.step.replace("_", " "))
+    what = "the goal" if subgoal.rule == "goal" else f"a subgoal of {subgoal.rule}"
+    by = f", with {listed(refusal.obstacles)} in the way" if refusal.obstacles else ""
+    text = f"{what} was seen (`{done}`), but {step}{by}"
+    return {
+        "rule": subgoal.rule,
+        "cause": "refused",
+        "step": refusal.step,
+        "object": refusal.about,
+        "obstacles": list(refusal.obstacles),
+        "text": text,
+        "actions": done,
+    }
+
+
+STEPS = {
+    "in_arm_workspace": "it is beyond the arm's reach",
+    "inverse_kinematics": "no posture of the arm reaches it freely",
+    "motion_plan": "no motion gets there freely",
+}
+"""What it means that a step of X refused an action."""
