@@ -134,6 +134,16 @@ class GraspSampler:
             if obstructions(state, i) == 0 and disturbances(state, i) == 0
         )
 
+    def are_tied(self, state: State) -> bool:
+        """Whether all misplaced objects could go, but each would be in the way of another: one
+        of them is to be picked up and put elsewhere in one subproblem."""
+        wrong = misplaced(state)
+        return (
+            bool(wrong)
+            and all(obstructions(state, i) == 0 for i in wrong)
+            and not self.ready(state)
+        )
+
     def _relevant(self, draw: Draw) -> list[int]:
         """Misplaced objects that nothing obstructs or disturbs, then other misplaced ones and
         those in their way, the nearest first; all after a failure."""

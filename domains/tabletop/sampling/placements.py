@@ -54,11 +54,15 @@ class PlacementSampler:
             found = self.at_goal(draw, goal, number)
             if draw.attempt == 0 and any(disturbed_by(state, index, p) == 0 for p in found):
                 return found
-        aside = []
+        return found + self.aside(draw)
+
+    def aside(self, draw: Draw) -> list[Placement]:
+        """Placements where the held object is least in the way."""
+        number, found = PLACEMENTS * draw.scale, []
         for support in self._supports(draw):
             candidates = self._free(draw, support, CHOICE * number)
-            aside += self._least_in_the_way(state, candidates)[:number]
-        return found + self._least_in_the_way(state, aside)
+            found += self._least_in_the_way(draw.state, candidates)[:number]
+        return self._least_in_the_way(draw.state, found)
 
     def _supports(self, draw: Draw) -> list[int]:
         """Supports on which something may be put aside: furniture; once that failed, the floor

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -89,6 +89,11 @@ class Sampler:
                 wanted += [(index, targets)] * (READY if index in ready else 1)
             places, largest = self.placements.anywhere(draw) if draw.doubting else ([], 0)
             wanted += [(largest, [(p, Grasp.of(0.0, 0.0))]) for p in places]
+            if self.grasps.are_tied(state):
+                for index, grasps in picks:
+                    elsewhere = self._elsewhere(draw, index, grasps[0])
+                    places += elsewhere
+                    wanted += [(index, [(p, grasps[0]) for p in elsewhere])]
         else:
             index, held = draw.held
             places = self.placements.of_held(draw)
@@ -112,3 +117,10 @@ class Sampler:
         return Samples(
             self.executor, tuple(bases), tuple(picks), tuple(places), placed, tuple(added)
         )
+
+    def _elsewhere(self, draw: Draw, index: int, grasp: Grasp) -> list[Placement]:
+        """Placements for an object that rests somewhere, were it in the hand."""
+        placements = draw.state.placements
+        away = (*placements[:index], None, *placements[index + 1 :])
+        holding = replace(draw.state, placements=away, held=index, grasp=grasp)
+        return self.placements.aside(replace(draw, state=holding))
