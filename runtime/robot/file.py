@@ -88,7 +88,7 @@ def read_robot_file(path: Path) -> RobotFile:
     mobile = _base(base) if table.has("base") else None
     height = base.number("height", 0.0)
     if height:
-        urdf = urdf.raised(FLOOR_LINK, height)
+        urdf = urdf.raised(urdf.free_name(FLOOR_LINK), height)
     file = RobotFile(
         place=str(path),
         name=table.text("name"),
@@ -203,7 +203,8 @@ def _tool(table: Table, urdf: Urdf) -> tuple[str, Urdf]:
     link, pose = tool.text("link"), _pose(tool)
     if link not in urdf.shapes or not (tool.has("xyz") or tool.has("rpy")):
         return link, urdf
-    return TOOL_LINK, urdf.with_frame(TOOL_LINK, link, pose)
+    name = urdf.free_name(TOOL_LINK)
+    return name, urdf.with_frame(name, link, pose)
 
 
 def _gripper(table: Table) -> GripperFile:

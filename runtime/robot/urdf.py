@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from itertools import count
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -119,6 +120,12 @@ class Urdf:
             {link: joint for link, joint in self.joints.items() if link in kept - {root}},
             {link: visuals for link, visuals in self.visuals.items() if link in kept},
         )
+
+    def free_name(self, wanted: str) -> str:
+        """A name for a new link: the wanted one, or with a number where it is taken."""
+        tried = (f"{wanted}_{number}" if number > 1 else wanted for number in count(1))
+        taken = self.shapes.keys() | {joint.name for joint in self.joints.values()}
+        return next(n for n in tried if n not in taken and f"{n}_mount" not in taken)
 
     def with_frame(self, name: str, parent: str, pose: Pose) -> Urdf:
         """The same with an empty link, fixed to another one."""

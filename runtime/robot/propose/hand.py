@@ -23,7 +23,7 @@ TIP = 0.01
 DEPTH = 0.015
 """Metres from the tips of the fingers back to the grasp centre."""
 
-WITHIN = 0.06
+WITHIN = 0.025
 """The tool link's own origin is the grasp centre if it is not further behind the tips."""
 
 

@@ -189,12 +189,13 @@ def _first_file(
         ignored |= within(hand.links, urdf)
         gripper = GripperFile(hand.fingers, hand.links, 0.004, 0.5, None, None, None)
         if hand.tool is not None:
-            urdf, tool = urdf.with_frame(TOOL_LINK, tool_link, hand.tool), TOOL_LINK
+            tool = urdf.free_name(TOOL_LINK)
+            urdf = urdf.with_frame(tool, tool_link, hand.tool)
     base = MobileBase(0.0, 0.0, 0.0, 0.0, "fixed")
     if kind != "fixed":
         base = replace(DRIVING, type=kind)
     if height:
-        urdf = urdf.raised(FLOOR_LINK, height)
+        urdf = urdf.raised(urdf.free_name(FLOOR_LINK), height)
     middle = [_middle(joint) for joint in moving]
     return RobotFile(
         place=name,

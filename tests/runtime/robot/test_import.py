@@ -77,6 +77,25 @@ def test_any_link_of_the_hand_will_do_but_a_finger(tmp_path, link) -> None:
         assert abs(tool[1, 1]) == pytest.approx(1.0, abs=1e-6)
 
 
+def test_a_tool_link_well_behind_the_tips_is_not_where_things_are_held(tmp_path) -> None:
+    """And names of the URDF that are those of our own frames are no clash."""
+    frame = (
+        '<link name="tool_frame"/><joint name="tool" type="fixed"><parent link="palm"/>'
+        '<child link="tool_frame"/><origin xyz="0 0 0.07"/></joint>'
+        '<link name="floor_under_base"/><joint name="plate" type="fixed"><parent link="foot"/>'
+        '<child link="floor_under_base"/></joint></robot>'
+    )
+    urdf = write_arm(tmp_path, arm_urdf().replace("</robot>", frame))
+    out = tmp_path / "out"
+    done = run("import", urdf, "--tool", "tool_frame", "--height", 0.4, "--out", out)
+    assert done.exit_code == 0, done.output
+    robot = load_robot(out / "arm.toml")
+    poses = link_poses(robot.urdf, {})
+    tool = compose(invert(poses["palm"]), poses[robot.urdf_tool])
+    assert tool[:, 3] == pytest.approx([0.0, 0.0, 0.1], abs=1e-6)  # 15 mm behind the tips
+    assert run("check", out / "arm.toml").exit_code == 0
+
+
 def test_what_is_written_moves_as_the_original_does(imported, tmp_path, rng) -> None:
     first, second = read_urdf(write_arm(tmp_path)), load_robot(imported).urdf
     names = [joint.name for joint in first.joints.values() if joint.type != "fixed"]
