@@ -1,8 +1,7 @@
 """Objects as the planner handles them: how they stand, and how a hand takes them.
 
-An object keeps the side on which it stands at the start. Its *standing frame* has z up and its
-origin under the middle of the smallest upright box around it, at the height of its bottom;
-turning the object about z is all that a placement does.
+An item is an object on one of its faces (`faces.py`). Its *standing frame* has z up and its
+origin under the middle of the smallest upright box around it, at the height of its bottom.
 """
 
 from __future__ import annotations
@@ -16,10 +15,12 @@ import numpy as np
 
 from domains.tabletop.hand import Hand
 from domains.tabletop.outlines import Slab, around
-from domains.tabletop.state import PINCH, SIDE, TOP, Grasp
+from domains.tabletop.state import PINCH, SIDE, TOP, UNIT, Grasp
 from runtime.world.body import Body, Part
 from runtime.world.outline import vertices_and_edges
+from runtime.world.packed import UPRIGHT
 from runtime.world.poses import Floats, Pose, apply, compose, upright
+from runtime.world.solids import Box, Solid
 from runtime.world.world import Movable
 
 GRASP_HEIGHT = 0.12
@@ -55,17 +56,19 @@ class Hold:
 
 @dataclass(frozen=True, eq=False)
 class Item:
-    """One movable object. `standing` (3, 4) is its body's frame in its standing frame;
-    `symmetry` is how many turns about z map it to itself, 24 where any does."""
+    """One movable object on a face. `standing` (3, 4) is its body's frame in its standing frame;
+    `symmetry` is how many turns about z map it to itself, 24 where any does; `face` is the number
+    of the face."""
 
     name: str
     body: Body
     standing: Pose
     symmetry: int
+    face: int = 0
 
     @classmethod
     def of(
-        cls, thing: Movable, yaw: float, symmetry: int
+        cls, thing: Movable, yaw: float, symmetry: int, face: int = 0
     ) -> tuple[Item, tuple[float, float, float, float]]:
         """The item of a movable that has a heading at the start, and x, y, bottom and heading of
         its standing frame in the world."""
@@ -77,7 +80,7 @@ class Item:
         standing = turned.copy()
         standing[:, 3] -= foot
         x, y, z = apply(upright(0.0, 0.0, 0.0, yaw), foot[None])[0].tolist()
-        return cls(thing.name, thing.body, standing, symmetry), (x, y, z, yaw)
+        return cls(thing.name, thing.body, standing, symmetry, face), (x, y, z, yaw)
 
     @property
     def corners(self) -> Floats:
@@ -87,7 +90,7 @@ class Item:
     @cached_property
     def parts(self) -> tuple[Part, ...]:
         """The object's solids in the standing frame."""
-        return tuple(Part(p.solid, compose(self.standing, p.pose)) for p in self.body.parts)
+        return tuple(_squared(p.solid, compose(self.standing, p.pose)) for p in self.body.parts)
 
     @cached_property
     def _outlines(self) -> list[tuple[Floats, list[tuple[int, int]]]]:
@@ -201,15 +204,16 @@ class Item:
             height = self._grasp_height(hand, family)
             found = None
             if height is not None:
-                low, high = {
-                    SIDE: (height - hand.pad, height + hand.pad),
-                    TOP: (max(0.0, height - hand.tip), self.size[2]),
-                    PINCH: (0.0, self.size[2]),
-                }[family]
-                outlines = self.section(low, high)
+                outlines = self.section(*self._between(hand, family, height))
                 found = (height, outlines) if outlines else None
             self._known_grips[family] = found
         return self._known_grips[family]
+
+    def _between(self, hand: Hand, family: int, height: float) -> tuple[float, float]:
+        """The heights between which the fingers are that grip at a height."""
+        if family == SIDE:
+            return height - hand.pad, height + hand.pad
+        return (max(0.0, height - hand.tip) if family == TOP else 0.0), self.size[2]
 
     @cached_property
     def _known_grips(self) -> dict[int, tuple[float, list[Floats]] | None]:
@@ -249,7 +253,35 @@ class Item:
             hold.family,
             float(hold.along[k]),
             float(hold.aside[k]),
+            self.face,
         )
+
+    def width(self, hand: Hand, grasp: Grasp) -> float:
+        """Metres between the fingers of a grasp, wherever its centre is."""
+        gripped = self._gripped(hand, grasp.family)
+        if gripped is not None and abs(gripped[0] - grasp.height * UNIT) < UNIT:
+            outlines = gripped[1]
+        else:
+            outlines = self.section(*self._between(hand, grasp.family, grasp.height * UNIT))
+        if grasp.family == PINCH or not outlines:
+            return self.size[2]
+        along = grasp.along * UNIT
+        back, ahead = (hand.pad, hand.pad) if grasp.family == TOP else (hand.back, hand.tip)
+        slab = Slab(
+            outlines, np.array([grasp.heading]), np.array([along - back]), np.array([along + ahead])
+        )
+        return float(slab.width[0])
+
+
+def _squared(solid: Solid, pose: Pose) -> Part:
+    """A solid at a pose; a box that stands on a side has its z up."""
+    up = np.abs(pose[2, :3])
+    axis = int(np.argmax(up))
+    if not isinstance(solid, Box) or axis == 2 or up[axis] < 1 - UPRIGHT:
+        return Part(solid, pose)
+    order = [(axis + 1) % 3, (axis + 2) % 3, axis]
+    turned = np.column_stack([pose[:, order], pose[:, 3]])
+    return Part(Box((solid.size[order[0]], solid.size[order[1]], solid.size[order[2]])), turned)
 
 
 def why_not(item: Item, hand: Hand, families: Sequence[int]) -> str | None:

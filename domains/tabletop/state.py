@@ -41,17 +41,19 @@ class Placement(NamedTuple):
     """Where an object rests: quantised x, y and heading, and the index of the support.
 
     On a support that can be moved (the top of another object, a tray) x, y and heading are
-    those in the support's own frame: what stands there goes where its support goes.
+    those in the support's own frame: what stands there goes where its support goes. `face` is
+    the side that it stands on, 0 for that at the start (`faces.py`).
     """
 
     x: int
     y: int
     yaw: int
     support: int
+    face: int = 0
 
     @classmethod
-    def of(cls, x: float, y: float, yaw: float, support: int) -> Placement:
-        return cls(quantise(x), quantise(y), quantise_angle(yaw), support)
+    def of(cls, x: float, y: float, yaw: float, support: int, face: int = 0) -> Placement:
+        return cls(quantise(x), quantise(y), quantise_angle(yaw), support, face)
 
     @property
     def pose(self) -> tuple[float, float, float]:
@@ -77,7 +79,7 @@ class BasePose(NamedTuple):
 
 
 class Grasp(NamedTuple):
-    """A grasp, in the standing frame of the object (`items.py`).
+    """A grasp, in the standing frame of the object (`items.py`) on one of its faces.
 
     `angle` is the quantised heading of the hand, `height` that of the grasp centre above the
     object's bottom; `along` and `aside` are where the centre is, along the heading and to its
@@ -91,6 +93,7 @@ class Grasp(NamedTuple):
     family: int = SIDE
     along: int = 0
     aside: int = 0
+    face: int = 0
 
     @classmethod
     def of(
@@ -101,6 +104,7 @@ class Grasp(NamedTuple):
         family: int = SIDE,
         along: float = 0.0,
         aside: float = 0.0,
+        face: int = 0,
     ) -> Grasp:
         return cls(
             quantise_angle(angle),
@@ -109,6 +113,7 @@ class Grasp(NamedTuple):
             family,
             quantise(along),
             quantise(aside),
+            face,
         )
 
     @property

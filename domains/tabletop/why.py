@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from domains.tabletop.actions.actions import Pick, Place
+from domains.tabletop.faces import faces_at
 from domains.tabletop.features import swept
 from domains.tabletop.features.functions import (
     arrangement,
@@ -27,6 +28,7 @@ from domains.tabletop.features.goals import GoalSites
 from domains.tabletop.features.swept import HEADINGS
 from domains.tabletop.ground import Ground
 from domains.tabletop.items import why_not
+from domains.tabletop.room import has_room
 from domains.tabletop.sampling.draw import Draw
 from domains.tabletop.state import Grasp, State
 from domains.tabletop.world import TabletopWorld
@@ -73,7 +75,9 @@ def _hopeless(
     resting = state.placements[index]
     assert resting is not None
     ground = world.grounds[goal.support]
-    if goal.region is not None and not problem.sampler.placements.has_room(ground, index):
+    if faces_at(world, index, goal) != (0,):
+        return None  # on another side some way leads there
+    if goal.region is not None and not has_room(ground, item):
         text = f"{item.name} does not fit on {ground.name}: it is larger than the room there"
         return _finding(item.name, "does not fit", text)
     here = arrangement(world, state.placements)

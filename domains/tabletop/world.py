@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from domains.tabletop.faces import faces_of
 from domains.tabletop.features import swept
 from domains.tabletop.features.goals import LATTICE, GoalSites
 from domains.tabletop.features.swept import HEADINGS, STEP
@@ -23,6 +24,7 @@ from domains.tabletop.ground import Ground
 from domains.tabletop.hand import Hand, hand_of
 from domains.tabletop.items import Item
 from domains.tabletop.memory import Memory
+from domains.tabletop.room import INSET
 from domains.tabletop.scene.model import (
     AnyGoal,
     HeldGoal,
@@ -51,9 +53,6 @@ Ints = NDArray[np.int64]
 
 Placements = tuple[Placement | None, ...]
 
-PLACING_INSET = 0.005
-"""Metres between the edge of a support and the outline of an object placed on it."""
-
 MIDDLES: Floats = np.arange(HEADINGS, dtype=np.float64) * STEP
 """The K headings, radians."""
 
@@ -81,11 +80,13 @@ class SiteHold:
 @dataclass(frozen=True, eq=False)
 class TabletopWorld:
     """One pick-and-place task. `families` are the approaches that may be used; `starts` are x, y,
-    bottom and heading of the objects at the start."""
+    bottom and heading of the objects at the start. `faces` are the objects on each of their
+    faces, `items` on that of the start."""
 
     scene: Scene
     robot: RobotModel
     items: tuple[Item, ...]
+    faces: tuple[tuple[Item, ...], ...]
     starts: tuple[tuple[float, float, float, float], ...]
     grounds: tuple[Ground, ...]
     hand: Hand
@@ -116,10 +117,15 @@ class TabletopWorld:
             for thing, told in zip(scene.world.movables, scene.objects, strict=True)
         ]
         items = tuple(item for item, _ in made)
+        things = zip(scene.objects, scene.world.movables, items, strict=True)
+        one = len(scene.families) == 1  # a hand that comes in one way only turns nothing
         return cls(
             scene=scene,
             robot=robot,
             items=items,
+            faces=tuple(
+                (item,) if one else faces_of(told, thing, item) for told, thing, item in things
+            ),
             starts=tuple(start for _, start in made),
             grounds=grounds_of(scene, items),
             hand=hand_of(robot),
@@ -144,7 +150,27 @@ class TabletopWorld:
     def kinds(self) -> tuple[int, ...]:
         """For each object the first one that is like it."""
         first: dict[object, int] = {}
-        return tuple(first.setdefault(item.kind, i) for i, item in enumerate(self.items))
+        kinds = [tuple(item.kind for item in faces) for faces in self.faces]
+        return tuple(first.setdefault(kind, i) for i, kind in enumerate(kinds))
+
+    def item(self, index: int, face: int) -> Item:
+        """An object on one of its faces."""
+        return self.faces[index][face]
+
+    @cached_property
+    def bases(self) -> frozenset[int]:
+        """Objects on which things stand at the start, or that some goal wants things on: they
+        stay on their face, for only that has a level top."""
+        singles = [
+            single
+            for goal in self.scene.goals.values()
+            for single in (goal.alternatives if isinstance(goal, AnyGoal) else (goal,))
+        ]
+        used = [s for g in singles if not isinstance(g, HeldGoal) for s in _supports_of(g)]
+        used += [thing.surface for thing in self.scene.objects]
+        used += [self.scene.word.support] if self.scene.word is not None else []
+        owners = (self.grounds[support].owner for support in used)
+        return frozenset(owner for owner in owners if owner is not None)
 
     @cached_property
     def owned(self) -> dict[int, tuple[int, ...]]:
@@ -166,36 +192,48 @@ class TabletopWorld:
     def rests_at(
         self, placements: Placements, index: int, placement: Placement
     ) -> tuple[float, float, float, float] | None:
-        """The same were the object at a placement; None where the support is in the hand."""
+        """The same were the object at a placement; None where the support is in the hand, or
+        stands on another face than the one on which it bears something."""
         ground = self.grounds[placement.support]
         x, y, yaw = placement.pose
         if ground.owner is None:
             return x, y, ground.height, yaw
-        below = self.rests(placements, ground.owner)
+        below = self.bearer(placements, ground.owner)
         if below is None:
             return None
         bx, by, bz, byaw = below
         c, s = math.cos(byaw), math.sin(byaw)
         return bx + c * x - s * y, by + s * x + c * y, bz + ground.height, byaw + yaw
 
+    def bearer(
+        self, placements: Placements, owner: int
+    ) -> tuple[float, float, float, float] | None:
+        """The same of something that bears others: on the face on which it can only."""
+        placement = placements[owner]
+        if placement is None or placement.face:
+            return None
+        return self.rests_at(placements, owner, placement)
+
     def pose(self, placements: Placements, index: int) -> Pose | None:
         """The standing frame of an object in the world (3, 4), None where it is held."""
         found = self.rests(placements, index)
         return None if found is None else upright(*found)
 
-    def relative(self, placements: Placements, support: int, pose: Pose) -> Placement | None:
-        """The placement of something with a standing frame in the world (3, 4) on a support;
-        None where the support is in the hand."""
+    def relative(
+        self, placements: Placements, support: int, pose: Pose, face: int = 0
+    ) -> Placement | None:
+        """The placement of something with a standing frame in the world (3, 4) on a support, on
+        one of its faces; None where the support is in the hand."""
         ground = self.grounds[support]
         x, y, yaw = pose[0, 3], pose[1, 3], math.atan2(pose[1, 0], pose[0, 0])
         if ground.owner is not None:
-            below = self.rests(placements, ground.owner)
+            below = self.bearer(placements, ground.owner)
             if below is None:
                 return None
             c, s = math.cos(below[3]), math.sin(below[3])
             dx, dy = x - below[0], y - below[1]
             x, y, yaw = c * dx + s * dy, c * dy - s * dx, yaw - below[3]
-        return Placement.of(x, y, yaw, support)
+        return Placement.of(x, y, yaw, support, face)
 
     def riders(self, placements: Placements, index: int) -> tuple[int, ...]:
         """Objects that rest on an object, or on what rests on it."""
@@ -205,10 +243,11 @@ class TabletopWorld:
         direct = [i for i, p in enumerate(placements) if p is not None and p.support in grounds]
         return tuple(direct) + tuple(r for i in direct for r in self.riders(placements, i))
 
-    def box_row(self, index: int, at: tuple[float, float, float, float]) -> Floats:
-        """The upright box around an object that rests at x, y, height and heading (8,)."""
+    def box_row(self, index: int, at: tuple[float, float, float, float], face: int = 0) -> Floats:
+        """The upright box around an object that rests at x, y, height and heading on a face
+        (8,)."""
         x, y, z, yaw = at
-        a, b, c = self.items[index].size
+        a, b, c = self.faces[index][face].size
         return np.array([x, y, z + c / 2, a / 2, b / 2, c / 2, math.cos(yaw), math.sin(yaw)])
 
     @cached_property
@@ -216,7 +255,7 @@ class TabletopWorld:
         """The solids of all objects, as they stand, and of what is fixed, in one table; None
         where all of them are upright boxes."""
         fixed = [thing.body for thing in self.scene.world.fixed]
-        parts = [part for item in self.items for part in item.parts]
+        parts = [part for item in self._forms for part in item.parts]
         parts += [
             Part(p.solid, compose(f.pose, p.pose))
             for f in self.scene.world.fixed
@@ -224,8 +263,19 @@ class TabletopWorld:
         ]
         if all(_is_upright_box(part) for part in parts):
             return None
-        standing = [replace(item.body, parts=item.parts, mesh=None) for item in self.items]
+        standing = [replace(item.body, parts=item.parts, mesh=None) for item in self._forms]
         return pack_bodies([*standing, *fixed])
+
+    @cached_property
+    def _forms(self) -> list[Item]:
+        """All objects on all of their faces, in the order of `packed`."""
+        return [item for faces in self.faces for item in faces]
+
+    @cached_property
+    def _first_form(self) -> list[int]:
+        """Where in that order the faces of each object begin."""
+        counts = [len(faces) for faces in self.faces]
+        return [sum(counts[:i]) for i in range(len(counts))]
 
     @cached_property
     def fixed(self) -> Obstacles:
@@ -233,35 +283,43 @@ class TabletopWorld:
         things = self.scene.world.fixed
         if self.packed is None:
             return boxes_only(self.statics)
-        n = len(self.items)
+        n = len(self._forms)
         return join(*(self.packed.at(n + i, thing.pose) for i, thing in enumerate(things)))
 
-    def object_at(self, index: int, at: tuple[float, float, float, float]) -> Obstacles:
-        """The solids of an object that rests at x, y, height and heading."""
+    def object_at(
+        self, index: int, at: tuple[float, float, float, float], face: int = 0
+    ) -> Obstacles:
+        """The solids of an object that rests at x, y, height and heading on a face."""
+        kind = self.kinds[index]
         return self.memory.answer(
-            "solids", (self.kinds[index], at), lambda: self._object_at(self.kinds[index], at)
+            "solids", (kind, at, face), lambda: self._object_at(kind, at, face)
         )
 
-    def _object_at(self, index: int, at: tuple[float, float, float, float]) -> Obstacles:
+    def _object_at(self, index: int, at: tuple[float, float, float, float], face: int) -> Obstacles:
         if self.packed is None:
-            return boxes_only(self.box_row(index, at)[None])
-        return self.packed.at(index, upright(*at))
+            return boxes_only(self.box_row(index, at, face)[None])
+        return self.packed.at(self._first_form[index] + face, upright(*at))
 
     def obstacles(self, placements: Placements, without: Collection[int]) -> Obstacles:
         """What is fixed and all objects that rest, but for some."""
         groups = [self.fixed]
         for i in range(len(placements)):
-            at = None if i in without else self.rests(placements, i)
+            placement = placements[i]
+            if placement is None or i in without:
+                continue
+            at = self.rests_at(placements, i, placement)
             if at is not None:
-                groups.append(self.object_at(i, at))
+                groups.append(self.object_at(i, at, placement.face))
         return join(*groups)
 
     def rider_parts(self, placements: Placements, index: int) -> tuple[Part, ...]:
         """The solids of what rests on an object, in the object's standing frame."""
         found: list[Part] = []
         for rider in self.riders(placements, index):
-            at = self.rests_on(placements, rider, index)
-            found += [Part(p.solid, compose(at, p.pose)) for p in self.items[rider].parts]
+            at, placement = self.rests_on(placements, rider, index), placements[rider]
+            assert placement is not None
+            parts = self.item(rider, placement.face).parts
+            found += [Part(p.solid, compose(at, p.pose)) for p in parts]
         return tuple(found)
 
     def rests_on(self, placements: Placements, rider: int, below: int) -> Pose:
@@ -278,15 +336,34 @@ class TabletopWorld:
             index = ground.owner
         return pose
 
-    def own(self, index: int) -> Floats:
+    def own(self, index: int, face: int = 0) -> Floats:
         """What an object takes up where it stands, whatever its heading: radius and height."""
+        if face:
+            item = self.faces[index][face]
+            return np.array([item.inner_radius, item.size[2]])
         taken: Floats = self.owns[index]
         return taken
 
+    def owns_of(self, placements: Placements) -> Floats:
+        """The same for all objects (n, 2), on the faces on which they rest."""
+        turned = [i for i, p in enumerate(placements) if p is not None and p.face]
+        if not turned:
+            return self.owns
+        found = self.owns.copy()
+        for i in turned:
+            placement = placements[i]
+            assert placement is not None
+            found[i] = self.own(i, placement.face)
+        return found
+
     @cached_property
     def owns(self) -> Floats:
-        """The same for all objects (n, 2)."""
+        """The same for all objects (n, 2), on their faces at the start."""
         return np.array([[i.inner_radius, i.size[2]] for i in self.items]).reshape(-1, 2)
+
+    def radius(self, index: int) -> float:
+        """Radius of the smallest upright cylinder around an object on any of its faces, metres."""
+        return max(item.outer_radius for item in self.faces[index])
 
     @cached_property
     def widest(self) -> float:
@@ -295,11 +372,14 @@ class TabletopWorld:
 
     # -- how things are taken -----------------------------------------------------------------
 
-    def hold(self, index: int, family: int, yaw: float) -> SiteHold:
-        """How an object that stands with a heading is taken along each heading of the hand."""
+    def hold(self, index: int, family: int, yaw: float, face: int = 0) -> SiteHold:
+        """How an object that stands with a heading on a face is taken along each heading of the
+        hand."""
         kind = self.kinds[index]
         return self.memory.answer(
-            "holds", (kind, family, yaw), lambda: self._hold(self.items[kind], family, yaw)
+            "holds",
+            (kind, family, yaw, face),
+            lambda: self._hold(self.faces[kind][face], family, yaw),
         )
 
     def _hold(self, item: Item, family: int, yaw: float) -> SiteHold:
@@ -337,8 +417,7 @@ class TabletopWorld:
 
     def _place_hold(self, index: int, family: int, grasp: Grasp | None) -> SiteHold:
         if grasp is not None:
-            found = self.items[index].holds(self.hand, family, np.array([grasp.heading]))
-            width = 0.0 if found is None else round(float(found.width[0]) / 2, 4)
+            width = round(self.item(index, grasp.face).width(self.hand, grasp) / 2, 4)
             row = [width, grasp.along * UNIT, grasp.aside * UNIT]
             height = grasp.height * UNIT
             fits = swept.ALL if grasp.family == family else 0
@@ -387,6 +466,18 @@ class TabletopWorld:
                 )  # fmt: skip
         return out
 
+    def reachable_at(
+        self, index: int, family: int, at: tuple[float, float, float, float], face: int = 0
+    ) -> int:
+        """The same for an object that rests at x, y, height and heading on a face."""
+        key = (self.kinds[index], family, at[3], *at[:3], face)
+        hold, own = self.hold(index, family, at[3], face), self.own(index, face)
+        return self.memory.answer(
+            "reachable",
+            key,
+            lambda: int(self.reachable(np.array([at[:3]]), own, hold, family)[0]),
+        )
+
     @property
     def is_fixed(self) -> bool:
         """Whether the robot cannot drive."""
@@ -398,11 +489,17 @@ class TabletopWorld:
         return np.array(self.robot.centre)
 
     def reachable_goal(
-        self, goal: GoalSites, index: int, family: int, hold: SiteHold, key: Hashable
+        self,
+        goal: GoalSites,
+        index: int,
+        family: int,
+        hold: SiteHold,
+        key: Hashable,
+        face: int = 0,
     ) -> Ints:
-        """The same for the sites of a goal of an object; `key` tells the hold."""
-        question = (goal.key, self.kinds[index], family, key)
-        own = self.own(index)
+        """The same for the sites of a goal of an object on a face; `key` tells the hold."""
+        question = (goal.key, self.kinds[index], family, key, face)
+        own = self.own(index, face)
         if goal.frame is None:
             return self.memory.answer(
                 "reachable goals", question, lambda: self.reachable(goal.xyz, own, hold, family)
@@ -488,13 +585,13 @@ class TabletopWorld:
         below = (0.0, 0.0, 0.0, 0.0)
         if ground.owner is not None:
             assert here is not None
-            below = self.rests(here.placements, ground.owner) or AWAY
+            below = self.bearer(here.placements, ground.owner) or AWAY
         key: tuple[object, ...]
         region: Ground | None = None
         if isinstance(goal, RegionGoal):
-            inset = PLACING_INSET + max(item.outer_radius for item in self.items)
+            inset = INSET + max(item.outer_radius for item in self.items)
             if ground.owner is not None or inset > min(ground.half):
-                inset = PLACING_INSET + self.items[index].inner_radius
+                inset = INSET + self.items[index].inner_radius
             xy = ground.lattice(LATTICE, inset)
             key, region = ("region", goal.support, round(inset, 6)), ground
             tolerance, yaw = 0.0, None
@@ -523,8 +620,7 @@ class TabletopWorld:
 
     def _bearers(self, goal: RegionGoal | PoseGoal) -> tuple[int, ...]:
         """The objects that bear what is at a goal."""
-        supports = (goal.support, *(goal.others if isinstance(goal, PoseGoal) else ()))
-        owners = (self.grounds[support].owner for support in supports)
+        owners = (self.grounds[support].owner for support in _supports_of(goal))
         return tuple(owner for owner in owners if owner is not None)
 
 
@@ -537,6 +633,11 @@ def _seen_from(scene: Scene) -> set[str]:
         for goal in goals
         if math.hypot(goal.x, goal.y) > goal.tolerance or goal.yaw is not None
     }
+
+
+def _supports_of(goal: RegionGoal | PoseGoal) -> tuple[int, ...]:
+    """The supports that bear what a goal wants."""
+    return (goal.support, *(goal.others if isinstance(goal, PoseGoal) else ()))
 
 
 def _turns(angles: Floats) -> list[float]:

@@ -97,7 +97,7 @@ class Replay:
         jump[2] = abs(wrap(poses[0, 2] - self.base[2]))
         if jump.max() > JOIN:
             return self._find(f"the base jumps by {jump.max():.4f} (m or rad)")
-        if np.abs(self.q - self.robot.home).max() > JOIN:
+        if self.held is None and np.abs(self.q - self.robot.home).max() > JOIN:
             return self._find("the robot drives while its arm is not in the home posture")
         if not self._find(base_fault(self.robot.base, poses, timed.times)):
             return False

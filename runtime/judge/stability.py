@@ -22,14 +22,11 @@ from runtime.world.world import World
 DENT = 0.001
 """Metres by which a contact in a point or along a line counts as wider: things give a little."""
 
-OVERHANG = 0.001
-"""Metres by which a foot may stand over the edge of its support."""
-
 
 def fault_of_rest(world: World, poses: Poses, index: int, on: str | None) -> str | None:
     """Why a body that was let go does not rest as it should: on a support (the named one, if
-    one is named), with its whole foot where that is fixed, and stable, with all that it
-    stands on and that stands on it. None where it does."""
+    one is named), and stable, with all that it stands on and that stands on it. It may jut over
+    an edge as far as it stands. None where it does."""
     name = world.movables[index].name
     if on is not None and all(support.name != on for support in world.supports):
         return f"there is no support {on!r} for {name}"
@@ -38,10 +35,6 @@ def fault_of_rest(world: World, poses: Poses, index: int, on: str | None) -> str
         return _in_the_air(world, poses, index)
     if on is not None and all(f.support.name != on for f in under):
         return f"{name} rests on {under[0].support.name}, the plan says on {on}"
-    if len(under) == 1 and movable(world, under[0].support.owner) is None:
-        juts = _juts(under[0])
-        if juts > OVERHANG:
-            return f"{name} juts {1000 * juts:.1f} mm over the edge of {under[0].support.name}"
     return falls(world, poses, _connected(world, poses, index))
 
 
@@ -57,10 +50,6 @@ def _in_the_air(world: World, poses: Poses, index: int) -> str:
         return f"{name} is released over nothing that it could rest on"
     height, support = min(heights, key=lambda pair: abs(pair[0]))
     return f"{name} is released {1000 * height:.1f} mm too high for {support}"
-
-
-def _juts(footing: Footing) -> float:
-    return max(outside_by(footing.patch, corner) for corner in footing.foot)
 
 
 def _connected(world: World, poses: Poses, index: int) -> list[int]:

@@ -1,6 +1,7 @@
 """Base motions: turn on the spot, drive straight, turn; shortest along a visibility graph.
 
-While it drives, the robot keeps its home posture. Turning on the spot it sweeps a stack of
+While it drives, the robot keeps its posture: home, or the one in which it carries something.
+Turning on the spot it sweeps a stack of
 rings, one a box: a position is safe in every heading if it keeps, from each obstacle, the
 largest outer radius of the robot's boxes at the obstacle's height. This is conservative,
 needs no heading in the search, and holds for everything in between as well.
@@ -61,10 +62,11 @@ class Footprint:
         return clearance.max(axis=1) if clearance.size else np.zeros(len(boxes))
 
 
-def footprint(robot: RobotModel, body: Body) -> Footprint:
-    """The rings of a robot in its home posture."""
+def footprint(robot: RobotModel, body: Body, posture: Floats | None = None) -> Footprint:
+    """The rings of a robot in a posture (n,); without one, at home."""
     placed = np.empty((len(body.frame), 3, 4))
-    arm.place_boxes(robot.frames(robot.home), body.frame, body.pose, placed)
+    frames = robot.frames(robot.home if posture is None else posture)
+    arm.place_boxes(frames, body.frame, body.pose, placed)
     rings = []
     for i, pose in enumerate(placed):
         points, rounding = outline(body, i)

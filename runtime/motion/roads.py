@@ -33,29 +33,31 @@ Stand = tuple[float, float, float]
 
 @dataclass(frozen=True, eq=False)
 class Roads:
-    """Roads of a robot with a body in its home posture, among boxes (w, 8)."""
+    """Roads of a robot with a body in a posture (n,), among boxes (w, 8)."""
 
     robot: RobotModel
     body: Body
     rings: Footprint
     boxes: Floats
     clearance: Floats
+    posture: Floats
 
     @classmethod
     def of(cls, robot: RobotModel, body: Body, boxes: Floats) -> Roads:
-        """Roads among some boxes."""
+        """Roads among some boxes, in the home posture."""
         rings = footprint(robot, body)
-        return cls(robot, body, rings, boxes, rings.clearances(boxes))
+        return cls(robot, body, rings, boxes, rings.clearances(boxes), robot.home)
 
     @cached_property
     def graph(self) -> BaseRoads:
         """Shortest drives between places at which the robot can turn."""
         return BaseRoads(self.boxes, self.clearance)
 
-    def among(self, more: Floats, body: Body | None) -> Roads:
-        """Roads with further boxes (n, 8) about, for the robot with another body if one is
-        given; these very roads where that changes nothing for drives."""
-        rings = self.rings if body is None else footprint(self.robot, body)
+    def among(self, more: Floats, body: Body | None, posture: Floats | None = None) -> Roads:
+        """Roads with further boxes (n, 8) about, for the robot with another body and in another
+        posture if they are given; these very roads where that changes nothing for drives."""
+        posture = self.posture if posture is None else posture
+        rings = self.rings if body is None else footprint(self.robot, body, posture)
         clearance = rings.clearances(more)
         free = _dominated(more, clearance, self.boxes, self.clearance)
         narrow = np.flatnonzero((clearance > 0) & ~free)
@@ -68,6 +70,7 @@ class Roads:
             rings,
             np.vstack([self.boxes, more[narrow]]),
             np.concatenate([fixed, clearance[narrow]]),
+            posture,
         )
 
     def can_turn(self, x: float, y: float) -> bool:
@@ -99,9 +102,9 @@ class Roads:
 
     @cached_property
     def _placed(self) -> Floats:
-        """The boxes of the body in the home posture (m, 3, 4), in the base frame."""
+        """The boxes of the body in the posture (m, 3, 4), in the base frame."""
         placed = np.empty((len(self.body.frame), 3, 4))
-        frames = self.robot.frames(self.robot.home)
+        frames = self.robot.frames(self.posture)
         arm.place_boxes(frames, self.body.frame, self.body.pose, placed)
         return placed
 

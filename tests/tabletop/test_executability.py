@@ -25,7 +25,7 @@ SEEDS = 12
 @pytest.fixture
 def problem(tmp_path) -> TabletopProblem:
     sticks = [stick("a", 0.65, 0.6), stick("b", 0.8, 0.75), stick("far", 0.8, -1.0)]
-    return TabletopProblem(task(tmp_path, *sticks, ON_RIGHT.format("a")), 1)
+    return TabletopProblem(task(tmp_path, *sticks, ON_RIGHT.format("a")), 5)
 
 
 def standing(problem: TabletopProblem, index: int, x: float, y: float, support: int) -> State:

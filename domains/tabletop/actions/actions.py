@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 
+from domains.tabletop.faces import turned
 from domains.tabletop.state import BasePose, Grasp, Placement, State
 from runtime.search.problem import Rejection
 
@@ -122,12 +123,16 @@ class Place(NamedTuple):
 
     def motion(self, executor: Executor, state: State, seeds: int) -> Motion | Rejection:
         assert state.grasp is not None, "only held objects are placed"
-        return executor.manipulate(state, self.object, self.placement, state.grasp, False, seeds)
+        grasp = turned(executor.world, self.object, state.grasp, self.placement.face)
+        if grasp is None:
+            return Rejection("in_arm_workspace", executor.world.items[self.object].name)
+        return executor.manipulate(state, self.object, self.placement, grasp, False, seeds)
 
     def text(self, world: TabletopWorld) -> str:
         x, y, _ = self.placement.pose
         ground = world.grounds[self.placement.support]
         where = "" if ground.owner is not None else f" at ({x:.2f}, {y:.2f})"
+        where += ", on another side" if self.placement.face else ""
         return f"place {world.items[self.object].name} on {ground.name}{where}"
 
     def arguments(self, world: TabletopWorld) -> dict[str, Any]:
@@ -136,4 +141,5 @@ class Place(NamedTuple):
             "object": world.items[self.object].name,
             "support": world.grounds[placement.support].name,
             "placement": [placement.x, placement.y, placement.yaw],
+            "face": placement.face,
         }

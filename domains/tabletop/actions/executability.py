@@ -19,19 +19,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from domains.tabletop.actions.arm import Arm
-from domains.tabletop.actions.reach import Reach, ReachSolver, grip_of, held_parts
+from domains.tabletop.actions.reach import Grip, Reach, ReachSolver, grip_of, grip_on, held_parts
 from domains.tabletop.state import UNIT, BasePose, Grasp, Placement, State
 from domains.tabletop.world import TabletopWorld
 from runtime.kernels.convex import Obstacles, join, seen_from
 from runtime.motion import rrt
 from runtime.motion.arm_context import ArmContext
+from runtime.motion.carry import carrying
 from runtime.motion.motion import ArmMove, Attach, BaseMove, GripperMove, Motion, Release
 from runtime.motion.roads import Roads
 from runtime.robot.model import Body
 from runtime.search.problem import Rejection
 from runtime.search.profile import Profile
 from runtime.world.body import Part
-from runtime.world.poses import Pose, compose, invert, upright
+from runtime.world.poses import Floats, Pose, compose, invert, upright
 from runtime.world.quaternions import pose_of
 
 REACH = 1.3
@@ -52,12 +53,14 @@ Target = tuple[int, Placement, Grasp]
 @dataclass(frozen=True, eq=False)
 class Manipulation:
     """All that a manipulation depends on: where the robot stands, the target and the pose of
-    its standing frame in the world, and the obstacles around without and with that object, in
-    the base frame. `riders` are solids in the standing frame that go with it."""
+    its standing frame in the world, the grasp with which the object was or is taken, and the
+    obstacles around without and with that object, in the base frame. `riders` are solids in the
+    standing frame that go with it."""
 
     base: BasePose
     target: Target
     standing: Pose
+    taken: Grasp
     others: Obstacles
     with_object: Obstacles
     riders: tuple[Part, ...] = ()
@@ -69,6 +72,7 @@ class Manipulation:
         return (
             self.base,
             self.target,
+            self.taken,
             self.others.rows.tobytes(),
             self.others.pose.tobytes(),
             riders,
@@ -115,13 +119,15 @@ class Executor:
         picks: bool,
         seeds: int,
     ) -> Motion | Rejection:
-        """The motion of picking an object up where it rests, or of putting it down there."""
+        """The motion of picking an object up where it rests, or of putting it down there; `grasp`
+        is seen from the face on which it stands there."""
         world = self.world
         name = world.items[index].name
         at = world.rests_at(state.placements, index, placement)
         if at is None:
             return Rejection("in_arm_workspace", name)
-        asked = self._question(state, (index, placement, grasp), upright(*at))
+        taken = state.grasp if state.grasp is not None and state.held == index else grasp
+        asked = self._question(state, (index, placement, grasp), upright(*at), taken)
         step = self.profile.inverse_kinematics
         with step.timed():
             reach = self._known(
@@ -143,7 +149,7 @@ class Executor:
         step.record(not isinstance(motion, Rejection))
         return motion
 
-    def _question(self, state: State, target: Target, standing: Pose) -> Manipulation:
+    def _question(self, state: State, target: Target, standing: Pose, taken: Grasp) -> Manipulation:
         world = self.world
         index, placement, _ = target
         x, y, yaw = state.base.pose
@@ -152,9 +158,9 @@ class Executor:
         others = seen_from(world.obstacles(state.placements, without), x, y, yaw, REACH)
         at = world.rests_at(state.placements, index, placement)
         assert at is not None
-        own = seen_from(world.object_at(index, at), x, y, yaw, np.inf)
+        own = seen_from(world.object_at(index, at, placement.face), x, y, yaw, np.inf)
         parts = world.rider_parts(state.placements, index)
-        return Manipulation(state.base, target, standing, others, join(others, own), parts)
+        return Manipulation(state.base, target, standing, taken, others, join(others, own), parts)
 
     def _known(self, key: object, compute: Callable[[], Answer]) -> Answer:
         """The answer to a question that was asked before, or what `compute` gives."""
@@ -168,27 +174,34 @@ class Executor:
 
     def _held(self, asked: Manipulation) -> tuple[Part, ...]:
         """The solids of the object, and of what rests on it, in the tool frame."""
-        index, _, grasp = asked.target
+        index, placement, grasp = asked.target
         standing = invert(grasp.tool)
         riders = tuple(Part(p.solid, compose(standing, p.pose)) for p in asked.riders)
-        return held_parts(self.world.items[index], grasp.tool) + riders
+        return held_parts(self.world.item(index, placement.face), grasp.tool) + riders
 
     def _reaches(self, asked: Manipulation, seeds: int) -> Iterator[Reach]:
         """Reaches with different postures; the same ones in the same order at every call."""
         world = self.world
         index, placement, grasp = asked.target
-        grip = world.memory.answer(
-            "grips",
-            (world.kinds[index], grasp),
-            lambda: grip_of(world.items[index], world.hand, grasp),
-        )
+        grip = self._grip(index, asked.taken)
         if grip is None:
             return iter(())
+        if asked.taken.face != placement.face:
+            grip = grip_on(grip, world.item(index, placement.face), grasp)
         base = upright(*asked.base.pose[:2], 0.0, asked.base.pose[2])
         target = compose(invert(base), compose(asked.standing, grasp.tool))
         rng = np.random.default_rng(self._seed(asked.base, placement, grasp))
         held = self._held(asked)
         return self.solver.reaches(held, grip, target, asked.others, asked.with_object, rng, seeds)
+
+    def _grip(self, index: int, grasp: Grasp) -> Grip | None:
+        """How the fingers grip an object, None where they do not."""
+        world = self.world
+        return world.memory.answer(
+            "grips",
+            (world.kinds[index], grasp),
+            lambda: grip_of(world.item(index, grasp.face), world.hand, grasp),
+        )
 
     def _further(self, asked: Manipulation, seeds: int, picks: bool) -> Motion | Rejection:
         """The motion with the arm in another posture than the first, with which there is none."""
@@ -205,14 +218,17 @@ class Executor:
     def _motion(self, asked: Manipulation, reach: Reach, picks: bool) -> Motion | Rejection:
         world, robot = self.world, self.world.robot
         index, placement, grasp = asked.target
-        item = world.items[index]
+        item = world.item(index, placement.face)
         empty = ArmContext(robot, robot.body(reach.opening), asked.with_object)
         full = ArmContext(robot, robot.body(reach.closed, self._held(asked)), asked.others)
         seed = self._seed(asked.base, placement, grasp, "motion")
+        carrying = self._carrying(index, asked.taken, full.body)
+        if carrying is None:
+            return Rejection("motion_plan", item.name)
         there = rrt.plan(empty, robot.home, reach.approach[0], seed)
         if there is None:
             return Rejection("motion_plan", item.name)
-        back = rrt.plan(full, reach.retreat[-1], robot.home, seed + 1)
+        back = rrt.plan(full, reach.retreat[-1], carrying, seed + 1)
         if back is None:
             return Rejection("motion_plan", item.name)
         if picks:
@@ -262,21 +278,31 @@ class Executor:
                 self._roads.clear()
             world = self.world
             standing = world.obstacles(state.placements, ()).rows[len(world.statics) :]
-            self._roads[key] = world.roads.among(standing, self._carried(state))
+            body, posture = self._carried(state)
+            self._roads[key] = world.roads.among(standing, body, posture)
         return self._roads[key]
 
-    def _carried(self, state: State) -> Body | None:
-        """The robot's boxes with the object that it carries, or None where it carries none."""
+    def _carrying(self, index: int, grasp: Grasp, body: Body) -> Floats | None:
+        """The posture in which the robot, its body with all that it holds, carries an object."""
+        key = ("carrying", self.world.kinds[index], grasp, len(body.frame))
+        return self.world.memory.answer(
+            "carrying", key, lambda: carrying(self.world.robot, body, None, self._seed(key))
+        )
+
+    def _carried(self, state: State) -> tuple[Body | None, Floats | None]:
+        """The robot's boxes with the object that it carries, and its posture; None where it
+        carries none."""
         if state.held is None or state.grasp is None:
-            return None
+            return None, None
         world = self.world
-        item = world.items[state.held]
-        grip = grip_of(item, world.hand, state.grasp)
+        item = world.item(state.held, state.grasp.face)
+        grip = self._grip(state.held, state.grasp)
         assert grip is not None, "a held object fits the gripper"
         standing = invert(state.grasp.tool)
         riders = world.rider_parts(state.placements, state.held)
         parts = tuple(Part(p.solid, compose(standing, p.pose)) for p in riders)
-        return world.robot.body(grip.closed, held_parts(item, state.grasp.tool) + parts)
+        body = world.robot.body(grip.closed, held_parts(item, state.grasp.tool) + parts)
+        return body, self._carrying(state.held, state.grasp, body)
 
 
 def within_reach(

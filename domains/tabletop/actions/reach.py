@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -73,9 +73,18 @@ def grip_of(item: Item, hand: Hand, grasp: Grasp) -> Grip | None:
     if hold is None or not hold.fits[0]:
         return None
     width = float(hold.width[0])
+    opening = min(width + 2 * hand.clearance, hand.max_opening)
+    return Grip(opening, width, _retreats(item, grasp))
+
+
+def grip_on(grip: Grip, item: Item, grasp: Grasp) -> Grip:
+    """A grip as it is where the object is put on another face, `grasp` seen from that."""
+    return replace(grip, retreats=_retreats(item, grasp))
+
+
+def _retreats(item: Item, grasp: Grasp) -> tuple[float, ...]:
     tall = item.size[2] + HEADROOM
-    retreats = (tall, APPROACH) if grasp.family == TOP and tall > APPROACH else (APPROACH,)
-    return Grip(min(width + 2 * hand.clearance, hand.max_opening), width, retreats)
+    return (tall, APPROACH) if grasp.family == TOP and tall > APPROACH else (APPROACH,)
 
 
 def held_parts(item: Item, tool: Pose) -> tuple[Part, ...]:

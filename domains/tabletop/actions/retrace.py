@@ -76,10 +76,10 @@ def _moment(world: TabletopWorld, state: State, sketch: CompiledSketch) -> Momen
     names = [feature.name for feature in sketch.model.features]
     poses: dict[str, Floats | None] = {}
     for index, item in enumerate(world.items):
-        standing = world.pose(state.placements, index)
+        standing, placement = world.pose(state.placements, index), state.placements[index]
         poses[item.name] = None
-        if standing is not None:
-            body = compose(standing, item.standing)
+        if standing is not None and placement is not None:
+            body = compose(standing, world.item(index, placement.face).standing)
             poses[item.name] = np.vstack([body, [0.0, 0.0, 0.0, 1.0]])
     return Moment(dict(zip(names, sketch.evaluate(state), strict=True)), poses)
 
@@ -92,15 +92,20 @@ def _pick(world: TabletopWorld, arguments: Mapping[str, Any]) -> Action:
     angle, height, flipped, *rest = arguments["grasp"]
     if not isinstance(flipped, bool):
         raise ValueError("flipped is a truth value")
-    angle, height, family, along, aside = _whole([angle, height, *rest], 5)
-    grasp = Grasp(angle, height, flipped, family, along, aside)
-    return Pick(_index(world, arguments), grasp)
+    # Plans of earlier versions do not say the face: it is that of the start.
+    numbers = [angle, height, *rest, 0][:6]
+    angle, height, family, along, aside, face = _whole(numbers, 6)
+    index = _index(world, arguments)
+    _ = world.item(index, face)  # there is such a face
+    return Pick(index, Grasp(angle, height, flipped, family, along, aside, face))
 
 
 def _place(world: TabletopWorld, arguments: Mapping[str, Any]) -> Action:
     support = [ground.name for ground in world.grounds].index(arguments["support"])
-    x, y, yaw = _whole(arguments["placement"], 3)
-    return Place(_index(world, arguments), Placement(x, y, yaw, support))
+    x, y, yaw, face = _whole([*arguments["placement"], arguments.get("face", 0)], 4)
+    index = _index(world, arguments)
+    _ = world.item(index, face)  # there is such a face
+    return Place(index, Placement(x, y, yaw, support, face))
 
 
 def _index(world: TabletopWorld, arguments: Mapping[str, Any]) -> int:

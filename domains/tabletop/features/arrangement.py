@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from domains.tabletop.faces import Turn, faces_at, turned, turns
 from domains.tabletop.features import swept
 from domains.tabletop.features.clearing import NEVER, Clearing, clearing_of, least_clearing, members
 from domains.tabletop.features.goals import GoalSites
@@ -84,7 +85,7 @@ class Thought:
     def bars(self) -> Ints:
         """The headings to each object that it bars, for each family (F, n)."""
         here = self.among
-        owns = _owns(here.world, range(len(here.boxes)))
+        owns = here.world.owns_of(here.placements)
         bars = [
             swept.barred_matrix(
                 here.sites, picks.holds, picks.heights, owns, self.box[None],
@@ -129,12 +130,16 @@ class Arrangement:
         for i in range(n):
             at = world.rests(placements, i)
             if at is not None:
-                boxes[i], sites[i], present[i], yaws[i] = world.box_row(i, at), at[:3], 1, at[3]
+                boxes[i] = world.box_row(i, at, face_of(placements[i]))
+                sites[i], present[i], yaws[i] = at[:3], 1, at[3]
         picks = {}
+        owns = world.owns_of(placements)
         for family in world.families:
-            rows = [_pick_row(world, i, family, sites[i], yaws[i], present[i]) for i in range(n)]
+            rows = [
+                _pick_row(world, i, family, sites[i], yaws[i], placements[i], present[i])
+                for i in range(n)
+            ]
             holds, heights, reachable = _columns(rows)
-            owns = _owns(world, range(n))
             barred = swept.barred_matrix(
                 sites, holds, heights, owns, boxes, world.hand.sweeps[family], 0.0
             )
@@ -160,7 +165,7 @@ class Arrangement:
         for i in changed:
             at = world.rests(placements, i)
             present[i], yaws[i] = at is not None, 0.0 if at is None else at[3]
-            boxes[i] = FAR_OFF if at is None else world.box_row(i, at)
+            boxes[i] = FAR_OFF if at is None else world.box_row(i, at, face_of(placements[i]))
             sites[i] = FAR_OFF[:3] if at is None else at[:3]
         stacked = _is_stacked(world, self.placements, self.boxes) or _is_stacked(
             world, placements, boxes
@@ -192,10 +197,10 @@ class Arrangement:
         holds, heights = known.holds.copy(), known.heights.copy()
         reachable, barred = known.reachable.copy(), known.barred.copy()
         for i in changed:
-            row = _pick_row(world, i, family, sites[i], yaws[i], present[i])
+            row = _pick_row(world, i, family, sites[i], yaws[i], placements[i], present[i])
             holds[i], heights[i], reachable[i] = row
         hand = world.hand.sweeps[family]
-        owns = _owns(world, range(len(boxes)))
+        owns = world.owns_of(placements)
         barred[changed] = swept.barred_matrix(
             sites[changed], holds[changed], heights[changed], owns[changed], boxes, hand, 0.0
         )
@@ -299,9 +304,11 @@ class Arrangement:
         known = self.places.get(key)
         if known is None:
             hold = world.place_hold(index, family, yaw, grasp)
-            reachable = world.reachable_goal(goal, index, family, hold, (yaw, how))
+            face = 0 if grasp is None else grasp.face
+            reachable = world.reachable_goal(goal, index, family, hold, (yaw, how), face)
             empty = np.zeros((len(goal.xyz), 0), dtype=np.int64)
-            known = Places(goal, hold, world.own(index), empty, empty, reachable)
+            own = world.own(index, face)
+            known = Places(goal, hold, own, empty, empty, reachable)
             barred = _place_barred(world, known, family, self.boxes)
             if goal.frame is not None:  # what it is to stand on is not in the way of it
                 owner = world.grounds[goal.support].owner
@@ -374,7 +381,67 @@ class Arrangement:
         families = self.world.families if grasp is None else (grasp.family,)
         if self.waits(goal):
             return self._of_picking(index, families, extra) if self.present[index] else 0
+        if len(self.world.faces[index]) > 1:
+            faces = faces_at(self.world, index, goal)
+            if faces != (0,) or self._face(index, grasp):
+                return self._over_faces(faces, index, goal, grasp, extra)
         return min(self._of_family(f, index, goal, grasp, extra) for f in families)
+
+    def _face(self, index: int, grasp: Grasp | None) -> int:
+        """The face on which an object stands, or in whose frame its grasp is given."""
+        return grasp.face if grasp is not None else face_of(self.placements[index])
+
+    def _over_faces(
+        self,
+        faces: Sequence[int],
+        index: int,
+        goal: GoalSites,
+        grasp: Grasp | None,
+        extra: Thought | None,
+    ) -> int:
+        """The same for an object that may be put on one of some faces, whatever face it is
+        on: the grasp is turned along with it."""
+        fewest = 2 * swept.UNREACHABLE
+        for turn in self._turns(faces, index, grasp):
+            ways = self.places_of(index, goal, turn.there.family, turn.there)
+            plus = np.zeros(len(goal.xyz), dtype=np.int64)
+            if extra is not None:
+                plus = _place_barred(self.world, ways, turn.there.family, extra.box[None])[:, 0]
+            place = int(swept.residue_minima(ways.counts, ways.barred[:, index], plus, 1)[0])
+            pick = self._barring(turn, index, extra)
+            least = pick + place
+            if 0 < least and max(pick, place) < swept.UNREACHABLE:
+                size, _ = self._cleared(turn.family, index, goal, grasp, extra, turn=turn)
+                least = size if size < NEVER else swept.UNREACHABLE + least
+            fewest = min(fewest, least)
+        return fewest
+
+    def _turns(self, faces: Sequence[int], index: int, grasp: Grasp | None) -> Iterable[Turn]:
+        """The ways to put an object on one of some faces: of taking it, too, where it rests."""
+        world, face = self.world, self._face(index, grasp)
+        for to in faces:
+            if grasp is None:
+                yield from turns(world, index, face, to)
+                continue
+            there = turned(world, index, grasp, to)
+            if there is not None:
+                yield Turn(grasp.family, grasp.heading, there)
+
+    def _barring(self, turn: Turn, index: int, extra: Thought | None) -> int:
+        """How many objects bar the way to take an object as a turn does; none where it is held."""
+        if not self.present[index]:
+            return 0
+        k = self._heading(turn, index)
+        found = int(self.picks[turn.family].counts[index, k])
+        if extra is not None:
+            found += (int(self._pick_barred(turn.family, index, extra.box)[0]) >> k) & 1
+        return found
+
+    def _heading(self, turn: Turn, index: int) -> int:
+        """The number of the heading along which a turn takes an object where it rests."""
+        at = self.world.rests(self.placements, index)
+        assert at is not None
+        return swept.heading_bit(turn.angle + at[3])
 
     def _of_picking(self, index: int, families: Sequence[int], extra: Thought | None) -> int:
         """Fewest objects to be taken away before an object can be picked up."""
@@ -437,19 +504,24 @@ class Arrangement:
         grasp: Grasp | None,
         extra: Thought | None,
         placeable: bool = False,
+        turn: Turn | None = None,
     ) -> tuple[int, Ints]:
         """Fewest objects to be taken away before an object can be picked up and put at its goal
-        with grasps of a family: how many, and which. `placeable`: nothing bars the latter."""
-        ways, picks = self.places_of(index, goal, family, grasp), self.picks[family]
+        with grasps of a family, or as a turn does: how many, and which. `placeable`: nothing bars
+        the latter."""
+        picks, there = self.picks[family], family if turn is None else turn.there.family
+        ways = self.places_of(index, goal, there, grasp if turn is None else turn.there)
         clearing = self.clearing if extra is None else extra.clearing
         counted = np.append(self.present, extra is not None).astype(np.bool_)
         counted[index] = False
         pick, pickable = np.append(picks.barred[index], 0), int(picks.reachable[index])
+        if turn is not None and self.present[index]:
+            pickable &= 1 << self._heading(turn, index)
         place, reachable = np.zeros((1, len(counted)), dtype=np.int64), np.array([swept.ALL])
         if not placeable:
             plus = np.zeros((len(goal.xyz), 1), dtype=np.int64)
             if extra is not None:
-                plus = _place_barred(self.world, ways, family, extra.box[None])
+                plus = _place_barred(self.world, ways, there, extra.box[None])
             place, reachable = np.hstack([ways.barred, plus]), ways.reachable
         if not self.present[index]:
             pick[:], pickable = 0, swept.ALL if grasp is None else 1
@@ -479,7 +551,7 @@ class Arrangement:
             self.sites[one],
             picks.holds[one],
             picks.heights[one],
-            _owns(self.world, [index]),
+            self.world.own(index, face_of(self.placements[index]))[None],
             box[None],
             self.world.hand.sweeps[family],
             0.0,
@@ -491,13 +563,17 @@ class Arrangement:
         every family in which these are fewest; where there is no such way, those that bar a
         least barred heading."""
         waits = self.waits(goal)
-        sets = [
-            (int(self.clearing.sizes[index]), self.clearing.sets[index])
-            if waits
-            else self._cleared(family, index, goal, None, None)
-            for family in self.world.families
-        ]
-        fewest = min(size for size, _ in sets)
+        faces = faces_at(self.world, index, goal)
+        if waits:
+            sets = [(int(self.clearing.sizes[index]), self.clearing.sets[index])]
+        elif faces == (0,):
+            sets = [self._cleared(f, index, goal, None, None) for f in self.world.families]
+        else:
+            sets = [
+                self._cleared(turn.family, index, goal, None, None, turn=turn)
+                for turn in self._turns(faces, index, None)
+            ]
+        fewest = min((size for size, _ in sets), default=NEVER)
         if fewest < NEVER:
             return sorted({i for size, found in sets if size == fewest for i in members(found)})
         return self._bars(index, goal)
@@ -510,7 +586,11 @@ class Arrangement:
             counts = picks.counts[index]
             for k in np.flatnonzero(counts == counts.min()):
                 found |= {int(j) for j in np.flatnonzero((picks.barred[index] >> k) & 1)}
+        faces = faces_at(self.world, index, goal)
         ways = [self.places_of(index, goal, f) for f in self.world.families]
+        if faces != (0,):
+            there = [turn.there for turn in self._turns(faces, index, None)]
+            ways = [self.places_of(index, goal, g.family, g) for g in there] or ways
         for f in self._best(way.counts.min() for way in ways):
             barred, counts = ways[f].barred, ways[f].counts
             fewest = counts.min()
@@ -536,7 +616,7 @@ class Arrangement:
         at = world.rests_at(self.placements, index, placement)
         if at is None:
             return 1  # on something in the hand, or on what stands on the object itself
-        extra = Thought(self, index, world.box_row(index, at))
+        extra = Thought(self, index, world.box_row(index, at, placement.face))
         owner = world.grounds[placement.support].owner
         below = frozenset() if owner is None else self.standing_on(owner)
         count = 0
@@ -558,7 +638,7 @@ class Arrangement:
         """Whether a box is too far from an object and from its goal to be in its way."""
         (x, y), radius = goal.circle
         hold = self.world.place_hold(other, self.world.families[0], goal.world_yaw, None)
-        reach = self._reach(hold) + 2 * self.world.items[other].outer_radius
+        reach = self._reach(hold) + 2 * self.world.radius(other)
         site = self.sites[other]
         return bool(
             point_distance(extra.box, site[0], site[1]) > reach
@@ -566,30 +646,33 @@ class Arrangement:
         )
 
 
+def face_of(placement: Placement | None) -> int:
+    """The face on which an object rests; that of the start where it is held."""
+    return 0 if placement is None else placement.face
+
+
 def _pick_row(
-    world: TabletopWorld, index: int, family: int, site: Floats, yaw: float, present: int
+    world: TabletopWorld,
+    index: int,
+    family: int,
+    site: Floats,
+    yaw: float,
+    placement: Placement | None,
+    present: int,
 ) -> tuple[Floats, float, int]:
     """How an object is taken where it rests, and bits of the headings that the robot reaches."""
     if not present:
         return np.zeros((HEADINGS, 3)), 0.0, 0
-    hold = world.hold(index, family, yaw)
-    key = (world.kinds[index], family, yaw, *site.tolist())
-    reachable = world.memory.answer(
-        "reachable",
-        key,
-        lambda: int(world.reachable(site[None], world.own(index), hold, family)[0]),
-    )
-    return hold.rows, hold.height, reachable
+    face = face_of(placement)
+    hold = world.hold(index, family, yaw, face)
+    x, y, z = site.tolist()
+    return hold.rows, hold.height, world.reachable_at(index, family, (x, y, z, yaw), face)
 
 
 def _columns(rows: Sequence[tuple[Floats, float, int]]) -> tuple[Floats, Floats, Ints]:
     holds = np.array([row[0] for row in rows]).reshape(-1, HEADINGS, 3)
     heights = np.array([row[1] for row in rows], dtype=np.float64)
     return holds, heights, np.array([row[2] for row in rows], dtype=np.int64)
-
-
-def _owns(world: TabletopWorld, indices: Sequence[int]) -> Floats:
-    return world.owns[list(indices)]
 
 
 def _is_stacked(world: TabletopWorld, placements: Placements, boxes: Floats) -> bool:

@@ -6,11 +6,14 @@ subproblem, not of where the robot stands, not of what was asked before.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import islice
 from typing import TYPE_CHECKING
 
+from domains.tabletop.faces import faces_at, turned
 from domains.tabletop.features import swept
 from domains.tabletop.features.arrangement import Arrangement
+from domains.tabletop.features.goals import GoalSites
 from domains.tabletop.state import Placement, State
 
 if TYPE_CHECKING:
@@ -89,8 +92,22 @@ def goal_placements(state: State, index: int) -> tuple[Placement, ...]:
     goal = state.world.goal_sites(index, here)
     if goal is None:
         return ()
-    taken = swept.occupied_sites(goal.xyz, state.world.own(index), here.boxes, index)
-    return tuple(p for p, occupied in zip(goal.placements, taken, strict=True) if not occupied)
+    found: list[Placement] = []
+    for face in _faces(state, index, goal):
+        own = state.world.own(index, face)
+        taken = swept.occupied_sites(goal.xyz, own, here.boxes, index)
+        sites = zip(goal.placements, taken, strict=True)
+        found += [p._replace(face=face) if face else p for p, occupied in sites if not occupied]
+    return tuple(found)
+
+
+def _faces(state: State, index: int, goal: GoalSites) -> Sequence[int]:
+    """The faces on which an object may be put at its goal; where it is held, those among them
+    on which the grasp can put it."""
+    faces, grasp = faces_at(state.world, index, goal), state.grasp
+    if faces == (0,) or grasp is None or state.held != index:
+        return faces
+    return [f for f in faces if turned(state.world, index, grasp, f) is not None] or faces
 
 
 def disturbed_by(state: State, index: int, placement: Placement) -> int:

@@ -35,6 +35,11 @@ LEVEL = 1e-3
 """Metres by which things above each other may overlap in height and count as apart."""
 
 
+def heading_bit(heading: float) -> int:
+    """The number of the heading (radians) that is nearest."""
+    return round(heading / STEP) % HEADINGS
+
+
 @njit(cache=True)
 def extent(hand):  # type: ignore[no-untyped-def]
     """How far, in the plane, the volumes of a hand reach from the grasp centre."""

@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from domains.tabletop.features.goals import turn_error
-from domains.tabletop.loop.sensing import Seen, heading
+from domains.tabletop.loop.sensing import Seen
 from runtime.robot.model import Floats
 from runtime.world.quaternions import matrix, pose_of
 from runtime.world.world import World
@@ -48,9 +48,10 @@ class Beliefs:
         return replace(seen, objects=tuple(self.poses))
 
     def _is_there(self, expected: Floats, pose: Floats) -> bool:
+        turn = matrix(pose)[:3, :3] @ matrix(expected)[:3, :3].T
         return bool(
             np.hypot(*(pose[:2] - expected[:2])) < self.steady
             and abs(pose[2] - expected[2]) < 0.01
-            and matrix(pose)[2, 2] > np.cos(TURNED)
-            and turn_error(heading(pose) - heading(expected), 1) < self.turned
+            and turn[2, 2] > np.cos(TURNED)
+            and turn_error(float(np.arctan2(turn[1, 0], turn[0, 0])), 1) < self.turned
         )

@@ -85,14 +85,15 @@ def state_of(world: TabletopWorld, seen: Seen, grasp: Grasp | None) -> State:
     for index in sorted(range(n), key=lambda i: float(seen.objects[i][2])):
         if index == seen.held:
             continue
-        item = world.items[index]
-        standing = compose(matrix(seen.objects[index])[:3], invert(item.standing))
+        body = matrix(seen.objects[index])[:3]
+        item = max(world.faces[index], key=lambda item: compose(body, invert(item.standing))[2, 2])
+        standing = compose(body, invert(item.standing))
         support = _support_below(world, tuple(placements), standing)
         if support is None or math.acos(min(1.0, abs(standing[2, 2]))) > UPRIGHT:
             raise LostError(
-                f"{item.name} has fallen: the robot can only take what stands as it did"
+                f"{item.name} has fallen: the robot can only take what stands on a face"
             )
-        placements[index] = world.relative(tuple(placements), support, standing)
+        placements[index] = world.relative(tuple(placements), support, standing, item.face)
     x, y, yaw = seen.base
     held = seen.held
     return State(
@@ -109,7 +110,7 @@ def _support_below(world: TabletopWorld, placements: Placements, standing: Pose)
     for number, ground in enumerate(world.grounds):
         frame = (0.0, 0.0, 0.0, 0.0)
         if ground.owner is not None:
-            below = world.rests(placements, ground.owner)
+            below = world.bearer(placements, ground.owner)
             if below is None:
                 continue
             frame = below

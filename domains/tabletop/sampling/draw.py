@@ -51,11 +51,6 @@ class Draw:
         return self.rng.uniform(-STEP / 2, STEP / 2) if self.doubting else 0.0
 
 
-def heading_bit(heading: float) -> int:
-    """The bit of the heading (radians) that is nearest."""
-    return round(heading / STEP) % HEADINGS
-
-
 def pick_headings(bits: int, number: int, rng: np.random.Generator) -> list[int]:
     """Up to `number` of the headings whose bits are set, spread around the circle."""
     headings = [k for k in range(HEADINGS) if (bits >> k) & 1]

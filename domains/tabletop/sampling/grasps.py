@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from domains.tabletop.faces import faces_at, turns
 from domains.tabletop.features import swept
 from domains.tabletop.features.functions import (
     arrangement,
@@ -13,7 +14,7 @@ from domains.tabletop.features.functions import (
     misplaced,
     obstructions,
 )
-from domains.tabletop.features.swept import HEADINGS, STEP
+from domains.tabletop.features.swept import HEADINGS, STEP, heading_bit
 from domains.tabletop.sampling.draw import GRASPS, Draw, pick_headings
 from domains.tabletop.state import Grasp, State
 from domains.tabletop.world import TabletopWorld
@@ -55,16 +56,17 @@ class GraspSampler:
     def _of_family(self, draw: Draw, index: int, family: int) -> list[Grasp]:
         world, state, attempt, rng = self.world, draw.state, draw.attempt, draw.rng
         here = arrangement(world, state.placements)
-        at = world.rests(state.placements, index)
-        if at is None:
+        at, placement = world.rests(state.placements, index), state.placements[index]
+        if at is None or placement is None:
             return []
-        hold = world.hold(index, family, at[3])
+        hold = world.hold(index, family, at[3], placement.face)
         free = here.free_headings(index, family)
         if not free:
             if not draw.doubting:
                 return []
             # The estimate may be wrong: try what geometry allows at all.
             free = int(here.picks[family].reachable[index])
+        free = self._turnable(state, index, family, free) or free
         free = self._placeable(state, index, family, free) or free
         number = GRASPS * draw.scale
         narrow = free & _narrow(hold.rows[:, 0], hold.fits)
@@ -78,7 +80,7 @@ class GraspSampler:
             angles += [k * STEP + rng.uniform(-STEP / 2, STEP / 2) for k in strays]
         if not angles:
             return []
-        item, grasps = world.items[index], []
+        item, grasps = world.item(index, placement.face), []
         found = item.holds(world.hand, family, np.array(angles) - at[3])
         for i, angle in enumerate(angles):
             flipped = attempt > 0 and rng.random() < 0.3
@@ -108,11 +110,29 @@ class GraspSampler:
         hold = world.hold(index, family, at[3])
         return (free & fitting & _narrow(hold.rows[:, 0], hold.fits)) or (free & fitting)
 
-    def regrasps(self, draw: Draw) -> Picks:
+    def _turnable(self, state: State, index: int, family: int, free: int) -> int:
+        """Those of some headings with which an object that has to be put on another face can be
+        turned there."""
+        world, placement, at = self.world, state.placements[index], None
+        goal = world.goal_sites(index, arrangement(world, state.placements))
+        faces = faces_at(world, index, goal)
+        if placement is not None and faces != (placement.face,):
+            at = world.rests(state.placements, index)
+        if at is None or placement is None:
+            return free
+        fitting = 0
+        for face in faces:
+            for turn in turns(world, index, placement.face, face):
+                if turn.family == family:
+                    fitting |= 1 << heading_bit(turn.angle + at[3])
+        return free & fitting
+
+    def regrasps(self, draw: Draw, face: int) -> Picks:
         """Other grasps of the held object: where it cannot go to its goal with the grasp
-        that holds it, it is put down, gripped anew and placed, all in one subproblem."""
+        that holds it, it is put down on a face, gripped anew and placed, all in one
+        subproblem."""
         index, _ = draw.held
-        item, number = self.world.items[index], GRASPS * draw.scale
+        item, number = self.world.item(index, face), GRASPS * draw.scale
         # The first angles are along the sides of the object, the narrowest ones.
         angles = np.arange(number) * 2 * math.pi / number
         if draw.attempt > 1:

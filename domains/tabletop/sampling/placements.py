@@ -9,6 +9,7 @@ from itertools import islice
 
 import numpy as np
 
+from domains.tabletop.faces import can_turn, faces_at, turned
 from domains.tabletop.features import swept
 from domains.tabletop.features.functions import (
     arrangement,
@@ -17,12 +18,12 @@ from domains.tabletop.features.functions import (
     obstructions,
 )
 from domains.tabletop.features.goals import GoalSites
-from domains.tabletop.features.swept import STEP
+from domains.tabletop.features.swept import STEP, heading_bit
 from domains.tabletop.footprints import footprints_meet
-from domains.tabletop.ground import Ground
-from domains.tabletop.sampling.draw import PLACEMENTS, Draw, heading_bit, pick_headings
-from domains.tabletop.state import Grasp, Placement, State
-from domains.tabletop.world import AWAY, PLACING_INSET, TabletopWorld
+from domains.tabletop.room import INSET, room_on
+from domains.tabletop.sampling.draw import PLACEMENTS, Draw, pick_headings
+from domains.tabletop.state import PINCH, Grasp, Placement, State
+from domains.tabletop.world import AWAY, TabletopWorld
 from runtime.world.poses import Floats
 from runtime.world.world import FLOOR
 
@@ -35,6 +36,10 @@ large it is."""
 
 BIN = 0.1
 """Placements fall into the least filled bins of this size, in metres, as published."""
+
+
+ON_EDGE = 0.03
+"""Metres from the edge of a support, at least, that the middle of what juts over it is."""
 
 
 class PlacementSampler:
@@ -51,7 +56,8 @@ class PlacementSampler:
         number = PLACEMENTS * draw.scale
         found: list[Placement] = []
         if goal is not None and (draw.doubting or obstructions(state, index) == 0):
-            found = self.at_goal(draw, goal, number)
+            for on_face in self._on_faces(draw, goal):
+                found += self.at_goal(on_face, goal, number)
             if draw.attempt == 0 and any(disturbed_by(state, index, p) == 0 for p in found):
                 return found
         return found + self.aside(draw)
@@ -59,10 +65,30 @@ class PlacementSampler:
     def aside(self, draw: Draw) -> list[Placement]:
         """Placements where the held object is least in the way."""
         number, found = PLACEMENTS * draw.scale, []
+        index, _ = draw.held
+        goal = self.world.goal_sites(index, arrangement(self.world, draw.state.placements))
+        faces = self._on_faces(draw, goal)
         for support in self._supports(draw):
-            candidates = self._free(draw, support, CHOICE * number)
+            candidates: list[Placement] = []
+            for on_face in faces:
+                candidates += self._free(on_face, support, CHOICE * number)
             found += self._least_in_the_way(draw.state, candidates)[:number]
         return self._least_in_the_way(draw.state, found)
+
+    def _on_faces(self, draw: Draw, goal: GoalSites | None) -> list[Draw]:
+        """The same drawing, were the held object taken on each of the faces on which it may be
+        put, on all of them once the estimate is doubted; what bears others stays on the one that
+        it is on."""
+        world, state, (index, grasp) = self.world, draw.state, draw.held
+        faces = faces_at(world, index, goal)
+        if draw.doubting and can_turn(world, index, goal):
+            faces += tuple(i.face for i in world.faces[index] if i.face not in faces)
+        if faces == (grasp.face,) or world.riders(state.placements, index):
+            return [draw]
+        seen = [turned(world, index, grasp, face) for face in faces]
+        return [replace(draw, state=replace(state, grasp=g)) for g in seen if g is not None] or [
+            draw
+        ]
 
     def _supports(self, draw: Draw) -> list[int]:
         """Supports on which something may be put aside: furniture; once that failed, the floor
@@ -85,7 +111,12 @@ class PlacementSampler:
         goal = self.world.goal_sites(index, arrangement(self.world, state.placements))
         if goal is None:
             return []
-        return self.at_goal(replace(draw, state=replace(state, grasp=grasp)), goal, draw.scale)
+        held = replace(draw, state=replace(state, grasp=grasp))
+        return [
+            placement
+            for on_face in self._on_faces(held, goal)
+            for placement in self.at_goal(on_face, goal, draw.scale)
+        ]
 
     def anywhere(self, draw: Draw) -> tuple[list[Placement], int]:
         """Placements for whatever will be picked up, unoccupied for the largest object, and
@@ -127,7 +158,7 @@ class PlacementSampler:
             picks = here.picks[family]
             hand = world.hand.sweeps[family]
             if wrong:
-                owns = np.array([world.own(i) for i in wrong])
+                owns = world.owns_of(state.placements)[wrong]
                 barred = swept.barred_matrix(
                     here.sites[wrong], picks.holds[wrong], picks.heights[wrong], owns, boxes,
                     hand, 0.0,
@@ -146,7 +177,7 @@ class PlacementSampler:
     def _box(self, state: State, index: int, placement: Placement) -> Floats:
         at = self.world.rests_at(state.placements, index, placement)
         assert at is not None, "placements are sampled on supports that rest"
-        return self.world.box_row(index, at)
+        return self.world.box_row(index, at, placement.face)
 
     def at_goal(self, draw: Draw, goal: GoalSites, number: int) -> list[Placement]:
         """Placements of the held object at the sites of a goal."""
@@ -166,20 +197,22 @@ class PlacementSampler:
             else:
                 headings = pick_headings(free, number, draw.rng)
                 yaws = [k * STEP + draw.jitter() - grasp.heading - frame for k in headings]
-            found += [Placement.of(x, y, yaw, goal.support) for yaw in yaws]
+            found += [Placement.of(x, y, yaw, goal.support, grasp.face) for yaw in yaws]
         return found
 
     def _free(self, draw: Draw, support: int, number: int) -> list[Placement]:
         """Random unoccupied placements on a support, in its least filled bins, with a
         heading for which the held object's grasp can come in where nothing bars it."""
         world = self.world
-        index, _ = draw.held
-        ground, item = world.grounds[support], world.items[index]
-        spans, turns = self._room(ground, index)
+        index, grasp = draw.held
+        ground, item = world.grounds[support], world.item(index, grasp.face)
+        spans, turns = room_on(ground, item)
+        if grasp.family == PINCH:  # a finger is below: it juts over the edge
+            spans, turns = [max(half - ON_EDGE, 0.0) for half in ground.half], None
         frame = (0.0, 0.0, 0.0, 0.0)
         if ground.owner is not None:
-            frame = world.rests(draw.state.placements, ground.owner) or AWAY
-        if spans is None or item.size[2] > ground.clearance - PLACING_INSET or frame is AWAY:
+            frame = world.bearer(draw.state.placements, ground.owner) or AWAY
+        if spans is None or item.size[2] > ground.clearance - INSET or frame is AWAY:
             return []
         radius = item.outer_radius if turns is None else item.inner_radius
         found: list[Placement] = []
@@ -195,7 +228,7 @@ class PlacementSampler:
                 yaw = self._heading(draw, free, turns, frame[3], turn == 2)
                 if yaw is None or (turns and not self._fits(draw, support, x, y, yaw)):
                     continue
-                found.append(Placement.of(x, y, yaw, support))
+                found.append(Placement.of(x, y, yaw, support, grasp.face))
                 if len(found) >= number:
                     return found
         return found
@@ -223,9 +256,9 @@ class PlacementSampler:
 
     def _is_taken(self, draw: Draw, site: Floats, radius: float, below: int | None) -> bool:
         """Whether something stands at a site (3,) where the held object would, or is too near."""
-        world, (index, _) = self.world, draw.held
+        world, (index, grasp) = self.world, draw.held
         here = arrangement(world, draw.state.placements)
-        tall = world.items[index].size[2]
+        tall = world.item(index, grasp.face).size[2]
         own = np.array([radius, tall])
         skip = -1 if below is None else below
         if swept.occupied_sites(site[None], own, here.boxes, skip)[0]:
@@ -246,39 +279,12 @@ class PlacementSampler:
         chosen = fitting or (turns if desperate else [])
         return chosen[int(draw.rng.integers(len(chosen)))] if chosen else None
 
-    def has_room(self, ground: Ground, index: int) -> bool:
-        """Whether an object fits on a support at all, and below what is above that."""
-        spans, _ = self._room(ground, index)
-        tall = self.world.items[index].size[2]
-        return spans is not None and tall <= ground.clearance - PLACING_INSET
-
-    def _room(self, ground: Ground, index: int) -> tuple[list[float] | None, list[float] | None]:
-        """Half the room for the middle of an object on a support, along its x and y; and the
-        headings that fit, where not all do: a long thing lies along the sides."""
-        item = self.world.items[index]
-        inset = item.outer_radius + PLACING_INSET
-        spans = [half - inset for half in ground.half]
-        slim = max(item.size[:2]) > 2.5 * min(item.size[:2])
-        if min(spans) > 0 and not slim:
-            return spans, None
-        yaw = ground.yaw
-        for turn in (0, 1):
-            half = [item.size[turn] / 2, item.size[1 - turn] / 2]
-            tight = [h - e - PLACING_INSET / 2 for h, e in zip(ground.half, half, strict=True)]
-            if min(tight) >= 0:
-                along = yaw + turn * math.pi / 2
-                return tight, [along, along + math.pi]
-        on_top = [min(item.size[k], item.size[1 - k]) / 2 for k in (0, 1)]
-        if ground.owner is not None and max(on_top) <= 2 * max(ground.half):
-            return [0.0, 0.0], None  # on something smaller only the middle is safe
-        return None, None
-
     def _fits(self, draw: Draw, support: int, x: float, y: float, yaw: float) -> bool:
         """Whether the held object, lying there so, is clear of other objects and of what is
         fixed, by the boxes around them."""
         world, state = self.world, draw.state
-        index, _ = draw.held
-        placement = Placement.of(x, y, yaw, support)
+        index, grasp = draw.held
+        placement = Placement.of(x, y, yaw, support, grasp.face)
         box = self._box(state, index, placement)
         here = arrangement(world, state.placements)
         owner = world.grounds[support].owner
@@ -292,7 +298,7 @@ class PlacementSampler:
         world, (index, grasp) = self.world, draw.held
         here = arrangement(world, draw.state.placements)
         hold = world.place_hold(index, grasp.family, None, grasp)
-        own = world.own(index)
+        own = world.own(index, grasp.face)
         boxes = here.boxes
         barred = swept.barred_matrix(
             site[None], hold.rows[None], np.array([hold.height]), own[None], boxes,

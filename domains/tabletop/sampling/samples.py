@@ -9,6 +9,7 @@ import numpy as np
 
 from domains.tabletop.actions.actions import Action, ActionSchema, MoveBase, Pick, Place
 from domains.tabletop.actions.executability import Executor, Target
+from domains.tabletop.faces import turned
 from domains.tabletop.features.functions import arrangement
 from domains.tabletop.sampling.bases import BaseSampler, Wanted
 from domains.tabletop.sampling.draw import DOUBT, Draw
@@ -48,9 +49,16 @@ class Samples:
             for index, grasps in self.picks:
                 placement = state.placements[index]
                 if placement is not None and not standing.bears(index):
-                    targets.extend((index, placement, grasp) for grasp in grasps)
+                    targets.extend(
+                        (index, placement, grasp)
+                        for grasp in grasps
+                        if grasp.face == placement.face
+                    )
         elif state.grasp is not None and self.placed in (None, state.held):
-            targets = [(state.held, placement, state.grasp) for placement in self.places]
+            for placement in self.places:
+                seen = turned(executor.world, state.held, state.grasp, placement.face)
+                if seen is not None:
+                    targets.append((state.held, placement, seen))
         for index, placement, grasp in executor.in_arm_workspace(state, state.base, targets):
             action = Pick(index, grasp) if state.held is None else Place(index, placement)
             yield action, action.after(state)
@@ -93,18 +101,19 @@ class Sampler:
                 for index, grasps in picks:
                     elsewhere = self._elsewhere(draw, index, grasps[0])
                     places += elsewhere
-                    wanted += [(index, [(p, grasps[0]) for p in elsewhere])]
+                    wanted += self._put(index, grasps[0], elsewhere)
         else:
             index, held = draw.held
             places = self.placements.of_held(draw)
-            wanted += [(index, [(placement, held)]) for placement in places]
-            picks = self.grasps.regrasps(draw) if attempt > 0 else []
-            for _, grasps in picks:
-                aside = list(places[:REGRASP_PLACES])
-                for grasp in grasps:
+            wanted += self._put(index, held, places)
+            picks = []
+            for face in sorted({p.face for p in places[:REGRASP_PLACES]}) if attempt > 0 else ():
+                aside = [p for p in places[:REGRASP_PLACES] if p.face == face]
+                picks += self.grasps.regrasps(draw, face)
+                for grasp in picks[-1][1]:
                     goals = self.placements.with_grasp(draw, grasp)
                     places += goals
-                    wanted += [(index, [(placement, grasp)]) for placement in goals + aside]
+                    wanted += self._put(index, grasp, goals + aside)
             if attempt > DOUBT:
                 picks += self.grasps.picks(draw)
         bases = self.bases.poses(draw, wanted)
@@ -124,3 +133,8 @@ class Sampler:
         away = (*placements[:index], None, *placements[index + 1 :])
         holding = replace(draw.state, placements=away, held=index, grasp=grasp)
         return self.placements.aside(replace(draw, state=holding))
+
+    def _put(self, index: int, grasp: Grasp, places: Sequence[Placement]) -> list[Wanted]:
+        """What is wanted of the base to put an object at some places with a grasp."""
+        seen = [(p, turned(self.executor.world, index, grasp, p.face)) for p in places]
+        return [(index, [(place, there)]) for place, there in seen if there is not None]

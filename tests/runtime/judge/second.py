@@ -271,15 +271,15 @@ class Second:
         on = [s for s in self.world.supports if s.name == release["on"]]
         if not on:
             return "there is no such support"
-        # The corners of its foot, in the frame of the support.
+        # The corners of its foot and its middle, in the frame of the support.
         half = np.array(thing.body.parts[0].solid.half)
         turned = np.array(self.bullet.getMatrixFromQuaternion(turn)).reshape(3, 3)
         corners = np.array([[x, y, -1] for x in (-1, 1) for y in (-1, 1)]) * half @ turned.T + place
         local = (corners - on[0].pose[:, 3]) @ on[0].pose[:, :3]
         if np.abs(local[:, 2]).max() > 0.004:
             return "it is let go above or in its support"
-        if (np.abs(local[:, :2]) > np.array(on[0].half) + 0.003).any():
-            return "it juts over the edge"
+        if (np.abs(local[:, :2].mean(axis=0)) > np.array(on[0].half) + 0.0005).any():
+            return "it tips over the edge"
         self._held = self._in_tool = None
         return None
 

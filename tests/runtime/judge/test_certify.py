@@ -261,11 +261,20 @@ def test_a_base_does_not_turn_while_it_drives(judge, plan_data) -> None:
 
 
 def test_the_base_drives_in_the_home_posture_only(judge, plan_data) -> None:
-    number = actions(plan_data, "pick")[0]
+    number = actions(plan_data, "place")[0]
     del plan_data["actions"][number]["pieces"][-1]
     certificate = judge(plan_data)
     rejected(certificate, "home posture")
     assert certificate.findings[0].action == number + 1
+
+
+def test_a_robot_that_holds_something_may_carry_it_in_another_posture(judge, plan_data) -> None:
+    """It is judged as it is: the next motion of the arm has to begin in that posture."""
+    number = actions(plan_data, "pick")[0]
+    del plan_data["actions"][number]["pieces"][-1]
+    certificate = judge(plan_data)
+    assert all("home posture" not in finding.message for finding in certificate.findings)
+    assert certificate.findings
 
 
 def test_a_plan_for_other_joints_is_refused(judge, plan_data) -> None:

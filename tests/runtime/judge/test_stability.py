@@ -64,7 +64,10 @@ def test_a_cube_rests_on_the_table_and_on_the_floor() -> None:
 def test_what_juts_hangs_in_the_air_or_leans_is_told() -> None:
     world = cubes(1)
     assert fault_of_rest(world, {0: at(0.174, 0, 0)}, 0, "table") is None
-    assert "juts 18.0 mm" in str(fault_of_rest(world, {0: at(0.193, 0, 0)}, 0, "table"))
+    # It may jut out as far as it stands: its middle is what counts.
+    assert fault_of_rest(world, {0: at(0.193, 0, 0)}, 0, "table") is None
+    assert fault_of_rest(world, {0: at(0.199, 0, 0)}, 0, "table") is None
+    assert "tips over" in str(fault_of_rest(world, {0: at(0.201, 0, 0)}, 0, "table"))
     high = at(0.0, 0.0, 0)
     high[2, 3] += 0.005
     assert "5.0 mm too high for table" in str(fault_of_rest(world, {0: high}, 0, "table"))
