@@ -410,7 +410,7 @@ class Arrangement:
             place = int(swept.residue_minima(ways.counts, ways.barred[:, index], plus, 1)[0])
             pick = self._barring(turn, index, extra)
             least = pick + place
-            if 0 < least and max(pick, place) < swept.UNREACHABLE:
+            if least > 0 and max(pick, place) < swept.UNREACHABLE:
                 size, _ = self._cleared(turn.family, index, goal, grasp, extra, turn=turn)
                 least = size if size < NEVER else swept.UNREACHABLE + least
             fewest = min(fewest, least)

@@ -101,7 +101,8 @@ class Sampler:
                 for index, grasps in picks:
                     elsewhere = self._elsewhere(draw, index, grasps[0])
                     places += elsewhere
-                    wanted += self._put(index, grasps[0], elsewhere)
+                    put = self._put(index, grasps[0], elsewhere)
+                    wanted += [(index, [target for _, targets in put for target in targets])]
         else:
             index, held = draw.held
             places = self.placements.of_held(draw)
