@@ -6,6 +6,7 @@ from collections import Counter
 from typing import Any
 
 from runtime.solve import Result
+from sketchlang.analysis.words import counted
 from sketchlang.version import __version__
 
 
@@ -67,8 +68,3 @@ def summary(report: dict[str, Any]) -> list[str]:
             f" {1000 * step['time_s']:>8.1f} ms"
         )
     return lines
-
-
-def counted(number: int, noun: str) -> str:
-    """A number and its noun, in the plural where that is due."""
-    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"

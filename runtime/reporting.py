@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from textwrap import wrap
 from typing import Any, Protocol, runtime_checkable
 
 from runtime.search.classical import ClassicalProblem
 from runtime.search.siw_r import Outcome
+from sketchlang.domain import Picture
+from sketchlang.escape import shown_line
 from sketchlang.files import write_text
 from sketchlang.loader import Loaded
 from sketchlang.model import SketchModel
@@ -79,6 +83,10 @@ class Reporting(Protocol):
 
     def document(self, model: SketchModel, outcome: Outcome, planner: str, seed: int) -> Document:
         """The plan of an outcome, as far as it came."""
+        ...
+
+    def picture(self, state: Any) -> Picture:
+        """A state as people see it."""
         ...
 
     def hopeless(self) -> list[dict[str, Any]]:
@@ -154,6 +162,35 @@ class ClassicalDocument:
         return ClassicalVerdict(())
 
 
+_PARENTHESES = re.compile(r"\([^()]*\)")
+
+
+@dataclass(frozen=True)
+class TextPicture:
+    """A state in lines of text."""
+
+    lines: tuple[str, ...]
+
+    def text(self, width: int, colour: bool) -> list[str]:
+        """The lines, long ones broken."""
+        found: list[str] = []
+        for line in map(shown_line, self.lines):
+            indent = line[: len(line) - len(line.lstrip())] + "    "
+            # What is in parentheses stays together.
+            joined = _PARENTHESES.sub(lambda match: match[0].replace(" ", "\0"), line)
+            broken = wrap(joined, max(width, 40), subsequent_indent=indent, break_on_hyphens=False)
+            found += [part.replace("\0", " ") for part in broken] or [""]
+        return found
+
+    def svg(self) -> str | None:
+        """Text is not drawn."""
+        return None
+
+    def data(self) -> dict[str, Any]:
+        """The lines."""
+        return {"lines": list(self.lines)}
+
+
 class ClassicalReporting:
     """Reports of a problem without geometry."""
 
@@ -176,6 +213,12 @@ class ClassicalReporting:
     def document(self, model: SketchModel, outcome: Outcome, planner: str, seed: int) -> Document:
         """The plan of an outcome."""
         return ClassicalDocument(self.problem.problem, model.name, planner, seed, outcome)
+
+    def picture(self, state: Any) -> Picture:
+        """The lines that the domain's problem has for a state (`picture(state)`), or else what
+        Python prints for it."""
+        picture = getattr(self.problem.problem, "picture", None)
+        return TextPicture(tuple(picture(state)) if picture is not None else (repr(state),))
 
     def hopeless(self) -> list[dict[str, Any]]:
         """Nothing is known before the search."""

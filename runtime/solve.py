@@ -84,11 +84,11 @@ class Task:
             rng = np.random.default_rng(self.seed)
             outcome = solve(self.sketch, self.problem, limits, rng, planner, progress)
             if not outcome.solved:
-                self._explain(outcome, limits)
+                self.explain(outcome, limits)
         document = self.reporting.document(self.sketch.model, outcome, planner, self.seed)
         return Result(self, planner, outcome, document)
 
-    def _explain(self, outcome: Outcome, limits: Limits) -> None:
+    def explain(self, outcome: Outcome, limits: Limits) -> None:
         """Say why an outcome is not solved."""
         domain = self.checked.domain
         explain(
@@ -134,7 +134,7 @@ def open_task(checked: CheckedSketch, scene: str, seed: int = 0, robot: str | No
         raise InputError(f"--robot: the domain {domain.name} has no robots")
     path, name = find_scene(scene)
     options = LoadOptions(name, seed, robot, dict(domain.actions))
-    problem, reporting = _opened(domain.name, _loaded(domain, path, options))
+    problem, reporting = opened(domain.name, _loaded(domain, path, options))
     return Task(compile_sketch(checked), problem, reporting, name, seed, checked)
 
 
@@ -152,7 +152,7 @@ def _loaded(domain: Any, path: Path, options: LoadOptions) -> Any:
         ) from error
 
 
-def _opened(domain: str, problem: Any) -> tuple[SearchProblem, Reporting]:
+def opened(domain: str, problem: Any) -> tuple[SearchProblem, Reporting]:
     """What a domain's scene loader made, as the search and reports see it.
 
     Raises:

@@ -62,6 +62,23 @@ class LoadOptions:
     actions: Mapping[str, Any] = field(default_factory=dict)
 
 
+class Picture(Protocol):
+    """A scene or a state as people see it."""
+
+    def text(self, width: int, colour: bool) -> list[str]:
+        """Lines for a terminal with so many columns, with ANSI codes if `colour`; otherwise every
+        character in them is seen (`sketchlang.escape`)."""
+        ...
+
+    def svg(self) -> str | None:
+        """A drawing, or None where there is nothing to draw."""
+        ...
+
+    def data(self) -> dict[str, Any]:
+        """The same as plain data."""
+        ...
+
+
 class DomainError(Exception):
     """A domain is declared in a way that sketches cannot use; the text says how to mend it."""
 
@@ -135,6 +152,10 @@ class Domain:
     `default_atoms` are the novelty atoms of sketches that name none; `evaluator(checked)` makes the
     function from states to feature values where the domain has a quicker one than the compiler's;
     `goal_test(state)` tells whether the scene's goal holds, where that is more than a sketch says.
+    `namer(state, element)` is what an element of a sort is called where people read it, or None
+    where the domain has no name for it. `draw(path, name)` makes a picture of a scene, where that
+    takes less than to load it. `schemas` are the actions that its problems have by themselves, each
+    in one line.
     """
 
     name: str
@@ -148,6 +169,9 @@ class Domain:
     default_atoms: Callable[[Any], Iterable[Hashable]] | None = None
     evaluator: Callable[[Any], Callable[[Any], tuple[int, ...]]] | None = None
     goal_test: Callable[[Any], bool] | None = None
+    namer: Callable[[Any, Any], str | None] | None = None
+    draw: Callable[[str, str], Picture] | None = None
+    schemas: Mapping[str, str] = field(default_factory=dict)
     _ignores: dict[str, frozenset[str]] = field(default_factory=dict)
     _declared: dict[str, Callable[..., Any]] = field(default_factory=dict)
     _resolved: dict[str, Function] = field(default_factory=dict)
@@ -183,6 +207,9 @@ class Domain:
             base.default_atoms,
             None,  # no evaluator: it would not know what is added
             base.goal_test,
+            base.namer,
+            base.draw,
+            dict(base.schemas),
             _ignores=dict(base._ignores),
             _declared=dict(base._declared),
             _resolved=dict(base._resolved),
@@ -243,6 +270,26 @@ class Domain:
         """Declare the function `members(state, sort)` that lists all elements of a sort."""
         self.members = function
         return function
+
+    def naming(self, function: F) -> F:
+        """Declare the function `namer(state, element)` that tells what an element is called, or
+        returns None."""
+        self.namer = function
+        return function
+
+    def drawing(self, function: F) -> F:
+        """Declare the function `draw(path, name)` that makes a picture of a scene."""
+        self.draw = function
+        return function
+
+    def called(self, state: Any, element: Any) -> str:
+        """What an element of a sort is called: as the domain's `namer` says, else by its `name`,
+        else by its text."""
+        named = self.namer(state, element) if self.namer is not None else None
+        if named is not None:
+            return named
+        name = getattr(element, "name", None)
+        return name if isinstance(name, str) else str(element)
 
     def atom(self, function: F) -> F:
         """Declare a family of novelty atoms: state -> hashable values true in it."""

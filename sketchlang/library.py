@@ -10,6 +10,10 @@ from sketchlang.errors import InputError
 
 _ROOT = Path(__file__).resolve().parent.parent / "domains"
 
+SCENES_OF = "tabletop"
+"""The domain of scenes in folders that are no domain themselves, and of any scene file unless
+another domain is named."""
+
 
 def built_in_scenes() -> list[str]:
     """Names of all scenes that come with the package."""

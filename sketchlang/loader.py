@@ -291,6 +291,23 @@ def pddl_domain(path: str) -> Domain:
     return found
 
 
+def used_domain(parsed: tree.Tree) -> str | None:
+    """The name, or path, of the domain that a sketch or a file it includes uses."""
+    use = _use(parsed)
+    return None if use is None else use[0].name.text
+
+
+def is_pddl_domain(path: str) -> bool:
+    """Whether a PDDL file declares a domain, not a task. Raises `InputError`."""
+    found: bool = _attribute(f"domains{PDDL}.show", "is_domain")(path)
+    return found
+
+
+def pddl_domain_of(task: str) -> Domain:
+    """The domain of a PDDL task, from the file beside it. Raises `InputError`."""
+    return pddl_domain(str(_attribute(f"domains{PDDL}.interface", "domain_beside")(task)))
+
+
 def _use(parsed: tree.Tree) -> tuple[tree.Use, Source] | None:
     for item in parsed.items:
         if isinstance(item, tree.Use):

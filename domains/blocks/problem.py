@@ -96,6 +96,22 @@ class BlocksProblem:
             if block.number != held and block.number not in covered:
                 yield Action("stack", name, block.name), _moved(state, held, block.number)
 
+    def picture(self, state: State) -> Iterator[str]:
+        """Towers, each from above to below, what is in the hand, and what is wanted."""
+        names = [block.name for block in state.task.blocks]
+        for number, below in enumerate(state.below):
+            if below == TABLE:
+                tower = [number]
+                while (top := state.on(tower[-1])) is not None:
+                    tower.append(top)
+                yield f"tower: {' '.join(names[block] for block in reversed(tower))}"
+        yield f"hand: {'empty' if state.held is None else names[state.held]}"
+        for number, wanted in enumerate(state.task.goal):
+            if wanted is not None:
+                yield f"goal: {names[number]} on {names[wanted]}"
+        for number in sorted(state.task.to_clear):
+            yield f"goal: nothing on {names[number]}"
+
 
 def _moved(state: State, number: int, below: int) -> State:
     return State(state.task, (*state.below[:number], below, *state.below[number + 1 :]))

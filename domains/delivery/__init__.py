@@ -17,7 +17,15 @@ if TYPE_CHECKING:
 
 __all__ = ["DeliveryProblem", "Package", "State", "domain"]
 
-domain = Domain("delivery", summary="Packages on a grid, carried one at a time to a target cell")
+domain = Domain(
+    "delivery",
+    summary="Packages on a grid, carried one at a time to a target cell",
+    schemas={
+        "move(direction)": "The agent goes to a free cell beside its own.",
+        "pick(package)": "It picks up a package from its cell.",
+        "drop(package)": "It puts down the package that it carries.",
+    },
+)
 domain.sort(Package)
 
 

@@ -96,6 +96,22 @@ class DeliveryProblem:
                 cells = _put(state.cells, package.number, None)
                 yield Action("pick", package.name), State(grid, agent, package.number, cells)
 
+    def picture(self, state: State) -> Iterator[str]:
+        """The map as scene files draw it: `A` is the agent, above all else, `T` the target."""
+        grid = state.grid
+        signs = dict.fromkeys(grid.free, ".") | {grid.target: "T"}
+        for package in grid.packages:
+            cell = state.cells[package.number]
+            if cell is not None:
+                signs[cell] = package.name
+        signs[state.agent] = "A"
+        columns, rows = (1 + max(cell[i] for cell in grid.free) for i in (0, 1))
+        for row in range(rows):
+            yield " ".join(signs.get((column, row), "#") for column in range(columns))
+        at_target = [p.name for p in grid.packages if state.cells[p.number] == grid.target]
+        yield f"carried: {'nothing' if state.held is None else grid.packages[state.held].name}"
+        yield f"delivered: {' '.join(at_target) or 'nothing'}"
+
 
 def _put(cells: tuple[Cell | None, ...], number: int, cell: Cell | None) -> tuple[Cell | None, ...]:
     return (*cells[:number], cell, *cells[number + 1 :])

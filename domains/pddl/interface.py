@@ -17,6 +17,7 @@ from domains.pddl.features.evaluator import Evaluator
 from domains.pddl.features.rows import bits_of
 from domains.pddl.features.sources import source
 from domains.pddl.ground.task import GroundTask, ground
+from domains.pddl.show import action_lines, task_picture
 from domains.pddl.state import State
 from domains.pddl.syntax.lists import PddlError
 from domains.pddl.syntax.model import OBJECT, Parameter, PddlDomain
@@ -109,6 +110,8 @@ class _Maker:
         domain.goal_test = lambda state: state.task.is_goal(state.bits)
         domain.evaluator = lambda checked: Evaluator(checked, domain.meanings, domain.types)
         domain.load = lambda path, _options: load_problem(domain, path)
+        domain.draw = lambda path, _name: task_picture(path, self.pddl)
+        domain.schemas = action_lines(self.pddl)
         return domain
 
     def _claim(self, name: str, original: str, span: Span | None) -> None:

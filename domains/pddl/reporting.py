@@ -10,10 +10,13 @@ from typing import Any
 from domains.pddl.ground.task import GroundTask
 from domains.pddl.plan import plan_text, step_of
 from domains.pddl.replay import Verdict, replay
+from domains.pddl.show import by_predicate
+from domains.pddl.state import State, atom_texts
 from domains.pddl.successors import Successors
 from runtime.plan.partial import MARK
-from runtime.reporting import Document, Profile
+from runtime.reporting import Document, Profile, TextPicture
 from runtime.search.siw_r import Outcome
+from sketchlang.domain import Picture
 from sketchlang.files import write_text
 from sketchlang.model import SketchModel
 from sketchlang.version import __version__
@@ -89,6 +92,12 @@ class PddlReporting:
     def document(self, model: SketchModel, outcome: Outcome, planner: str, seed: int) -> Document:
         """The plan of an outcome, as far as it came."""
         return PddlDocument(self.task, model.name, planner, outcome)
+
+    def picture(self, state: State) -> Picture:
+        """The atoms that change and are true, by predicate, and what the goal still lacks."""
+        lines = [f"{name}: {' '.join(texts)}" for name, texts in by_predicate(atom_texts(state))]
+        missing = self.task.open_goals(state.bits)
+        return TextPicture((*lines, f"parts of the goal that do not hold: {missing}"))
 
     def hopeless(self) -> list[dict[str, Any]]:
         """A goal that no action and no number of them can bring about."""

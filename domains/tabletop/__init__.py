@@ -10,7 +10,7 @@ from collections.abc import Hashable, Iterable
 from typing import TYPE_CHECKING
 
 from domains.tabletop.state import Placement
-from sketchlang.domain import Domain, LoadOptions, Nat
+from sketchlang.domain import Domain, LoadOptions, Nat, Picture
 
 if TYPE_CHECKING:
     from domains.tabletop.problem import TabletopProblem
@@ -20,6 +20,11 @@ domain = Domain(
     "tabletop",
     summary="Pick and place of objects on tables with a mobile robot",
     has_robots=True,
+    schemas={
+        "move_base(pose)": "The robot drives to another place, its arm at home.",
+        "pick(object, grasp)": "The arm takes an object that it reaches, and goes home with it.",
+        "place(object, placement)": "The arm puts down the object in the hand, and goes home.",
+    },
 )
 
 
@@ -29,6 +34,18 @@ class Object(int):
 
 
 domain.sort(Placement)
+
+
+@domain.naming
+def name_of(state: State, element: object) -> str | None:
+    """The name of an object; x, y, support and heading of a placement."""
+    from domains.tabletop.features import names
+
+    if isinstance(element, Object):
+        return names.object_name(state.world, element)
+    if isinstance(element, Placement):
+        return names.placement_name(state.world, element)
+    return None
 
 
 @domain.function(ignores="base")
@@ -96,6 +113,15 @@ def object_at(state: State) -> Iterable[Hashable]:
     if state.held is not None:
         atoms[state.held] = (state.held, state.grasp)
     return atoms
+
+
+@domain.drawing
+def draw(path: str, name: str) -> Picture:
+    """A scene seen from above."""
+    from domains.tabletop.picture import view_of_file
+    from runtime.show.top_picture import TopPicture
+
+    return TopPicture(view_of_file(path, name))
 
 
 @domain.scenes

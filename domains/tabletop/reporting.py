@@ -16,11 +16,13 @@ from runtime.plan.model import Plan
 from runtime.plan.write import write_plan
 from runtime.reporting import Profile
 from runtime.search.siw_r import Outcome
+from sketchlang.domain import Picture
 from sketchlang.loader import Loaded
 from sketchlang.model import SketchModel
 
 if TYPE_CHECKING:
     from domains.tabletop.problem import TabletopProblem
+    from domains.tabletop.state import State
     from runtime.judge.findings import Certificate
 
 
@@ -91,6 +93,13 @@ class TabletopReporting:
         """The plan of an outcome, as far as it came."""
         world = self.problem.world
         return TabletopDocument(world, document(world, model, outcome, planner, seed))
+
+    def picture(self, state: State) -> Picture:
+        """A state seen from above."""
+        from domains.tabletop.picture import view_of_state
+        from runtime.show.top_picture import TopPicture
+
+        return TopPicture(view_of_state(state))
 
     def hopeless(self) -> list[dict[str, Any]]:
         """What makes the task impossible, whatever a search would do; nothing is certain where

@@ -112,8 +112,25 @@ def serialize(
     progress: Progress | None = None,
 ) -> Outcome:
     """Solve a problem subgoal by subgoal. All randomness comes from `rng`."""
-    guide = Guide(sketch)
     outcome = Outcome(state=problem.initial)
+    for subgoal in subgoals(search, sketch, problem, limits, rng, outcome):
+        if progress is not None:
+            progress(subgoal, limits.elapsed())
+    outcome.seconds = limits.elapsed()
+    return outcome
+
+
+def subgoals(
+    search: Search,
+    sketch: CompiledSketch,
+    problem: SearchProblem,
+    limits: Limits,
+    rng: np.random.Generator,
+    outcome: Outcome,
+) -> Iterator[Subgoal]:
+    """The subgoals on the way to the goal, each searched for when it is asked for. `outcome`, a
+    fresh one, tells what has been reached, and at the end why it ended there."""
+    guide = Guide(sketch)
     been: dict[State, int] = {outcome.state: 0}
     tried: list[Subproblem] = []
     try:
@@ -134,8 +151,7 @@ def serialize(
             outcome.subgoals.append(subgoal)
             outcome.state = subgoal.states[-1]
             guide.forget()
-            if progress is not None:
-                progress(subgoal, limits.elapsed())
+            yield subgoal
             before = been.setdefault(outcome.state, len(outcome.subgoals))
             if before < len(outcome.subgoals):
                 outcome.stuck, outcome.returned_to = guide.values(outcome.state), before
@@ -149,8 +165,6 @@ def serialize(
     if outcome.end is End.NO_SUBGOAL or (outcome.end is End.TIME and len(tried) > 1):
         values = guide.values(outcome.state)
         outcome.retrospect = look_back(guide, tried, outcome.state, values)
-    outcome.seconds = limits.elapsed()
-    return outcome
 
 
 def schedule(limits: Limits, guided: bool) -> Iterator[tuple[int, int]]:

@@ -33,9 +33,11 @@ def valuations(trace: Trace) -> tuple[Valuation, ...]:
         # What was sensed or planned with: after a subplan that was broken off, a new truth.
         found.append(Valuation(subgoal.start, subgoal.start, subgoal.before))
         own = [action for action in trace.actions if action.subgoal == number]
-        for action in own[:-1]:
-            if action.values is not None:
-                found.append(Valuation(action.start, changed_at(trace, action), action.values))
+        found += [
+            Valuation(action.start, changed_at(trace, action), action.values)
+            for action in own[:-1]
+            if action.values is not None
+        ]
         begun, time = subgoal.end, subgoal.end
         if own:
             begun, time = own[-1].start, changed_at(trace, own[-1])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import builtins
 import importlib
 import keyword
 import os
@@ -22,6 +23,8 @@ COMMANDS = {
     "explain": "Print what a diagnostic means.",
     "lsp": "Serve an editor: diagnostics, hover, completion, renaming.",
     "new": "Write a working domain to start from.",
+    "list": "List what comes along: sketches, scenes, robots, planners, domains.",
+    "show": "Show a domain, scene, robot or sketch.",
     "terminate": "Prove that a sketch terminates, or show how it does not.",
     "repair": "Find the smallest changes after which a sketch terminates.",
     "test": "Test a sketch against states of small scenes.",
@@ -30,6 +33,8 @@ COMMANDS = {
     "coverage": "Find states that no rule provides for.",
     "graph": "Draw the policy graph or the rules of a sketch.",
     "run": "Plan a scene with a sketch.",
+    "inspect": "Show why features have their values and which rules apply.",
+    "step": "Walk through a run subgoal by subgoal.",
     "validate": "Certify a plan file with exact geometry.",
     "execute": "Execute a plan under physics, open loop or closed loop.",
     "replay": "Show a plan: a page for the browser, pictures, a film.",
@@ -55,8 +60,10 @@ class LazyGroup(click.Group):
     def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
         if name not in COMMANDS:
             return None
-        # `import` is a word of Python: its file has another name.
-        file = f"{name}_" if keyword.iskeyword(name) else name
+        # `import` is a word of Python, and `list` would hide what is built in: their files have
+        # other names.
+        taken = keyword.iskeyword(name) or hasattr(builtins, name)
+        file = f"{name}_" if taken else name
         module = importlib.import_module(f"sketchlang.cli.{file}")
         command: click.Command = module.command
         return command

@@ -14,6 +14,9 @@ from click.shell_completion import CompletionItem
 
 Completer = Callable[[click.Context, click.Parameter, str], list[CompletionItem]]
 
+PLANNERS = ("lazy-siiw-r", "siw-r")
+"""As in `runtime.search.planners`, which would take too long to import for one key."""
+
 HOME = Path(__file__).resolve().parents[2]
 
 
@@ -42,6 +45,20 @@ def _robots() -> Iterable[str]:
     return sorted(path.parent.name for path in (HOME / "runtime" / "robot").glob("*/*.toml"))
 
 
+def _planners() -> Iterable[str]:
+    return PLANNERS
+
+
+def _domains() -> Iterable[str]:
+    from sketchlang.loader import domain_names
+
+    return domain_names()
+
+
+def _anything() -> Iterable[str]:
+    return sorted({*_domains(), *_scenes(), *_robots(), *_sketches()})
+
+
 def _codes() -> Iterable[str]:
     from sketchlang.pages import pages
 
@@ -51,4 +68,7 @@ def _codes() -> Iterable[str]:
 sketches = _completer(_sketches)
 scenes = _completer(_scenes)
 robots = _completer(_robots)
+planners = _completer(_planners, files=False)
+domains = _completer(_domains)
+anything = _completer(_anything)
 codes = _completer(_codes, files=False)

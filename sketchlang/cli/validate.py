@@ -127,7 +127,7 @@ def _say_finding(number: int | None, message: str, plan: Plan) -> None:
 
 def _say_partial(path: Path, reason: str, subgoals: int | None, actions: int) -> None:
     """That a file is a partial plan, how far it goes, and why not further."""
-    from runtime.report import counted
+    from sketchlang.analysis.words import counted
 
     after = "" if subgoals is None else f"{counted(subgoals, 'subgoal')} and "
     say(f"{path} is a partial plan, of {after}{counted(actions, 'action')}: {reason}")

@@ -11,6 +11,7 @@ from domains.pddl.interface import PddlInterface, make_interface
 from domains.pddl.problem import PddlProblem
 from domains.pddl.syntax.read import read_domain, read_task
 from sketchlang.compile import compile_sketch
+from sketchlang.inspection.explain import Explainer
 from sketchlang.loader import load_text
 from sketchlang.source import Source
 from tests.pddl.random_tasks import PREDICATES, TYPES, texts
@@ -155,9 +156,10 @@ def compare(seed: int) -> None:
     loaded = load_text(Source("s", text), {}, interface)
     assert loaded.ok, [(found.code, found.message, text) for found in loaded.diagnostics]
     quick, plain = compile_sketch(loaded.checked), compile_sketch(loaded.checked, plain=True)
-    state = problem.initial
+    state, explainer = problem.initial, Explainer(loaded.checked)
     for _ in range(6):
         assert quick.evaluate(state) == plain.evaluate(state), text
+        assert tuple(one.value for one in explainer.features(state)) == quick.evaluate(state), text
         followers = list(problem.successors(state))
         if not followers:
             break

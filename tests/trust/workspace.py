@@ -77,6 +77,12 @@ def commands(space: Workspace, plan: Path) -> Iterator[tuple[str, list[str], str
     with_domain = {**sketch, "domain": space.domain}
     yield "terminate", [str(space.sketch), *domain], "--certificate", with_domain
     yield "graph", [str(space.sketch), "--format", "dot", *domain], "--out", with_domain
+    yield (
+        "show",
+        [str(space.scene), *domain],
+        "--svg",
+        {"scene": space.scene, "domain": space.domain},
+    )
     arguments = [str(space.sketch), str(space.scene), *robot]
     yield "run", [*arguments, *domain], "--out", {**with_domain, **scene}
     yield "execute", [*arguments, "--closed-loop"], "--trace", {**sketch, **scene}
