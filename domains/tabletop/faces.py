@@ -208,5 +208,5 @@ def _placeable(
 ) -> bool:
     """Whether some way leads to a site of a goal past what never moves."""
     hold = world.place_hold(index, family, goal.world_yaw, grasp)
-    key, face = (goal.world_yaw, grasp), 0 if grasp is None else grasp.face
-    return bool(world.reachable_goal(goal, index, family, hold, key, face).any())
+    face = 0 if grasp is None else grasp.face
+    return bool(world.reachable_goal(goal, index, family, hold, face).any())

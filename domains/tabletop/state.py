@@ -121,6 +121,13 @@ class Grasp(NamedTuple):
         """Heading of the hand in the object's frame, radians."""
         return self.angle * UNIT
 
+    def centre(self, at: tuple[float, float, float, float]) -> tuple[float, float, float]:
+        """The grasp centre for an object that rests at x, y, height and heading, metres."""
+        c, s = math.cos(at[3] + self.heading), math.sin(at[3] + self.heading)
+        along, aside = self.along * UNIT, self.aside * UNIT
+        x, y = at[0] + c * along - s * aside, at[1] + s * along + c * aside
+        return x, y, at[2] + self.height * UNIT
+
     @property
     def tool(self) -> Pose:
         """The tool frame (x: approach, y: the fingers close) in the standing frame (3, 4)."""

@@ -106,7 +106,7 @@ def _is_reachable(world: TabletopWorld, index: int, goal: GoalSites) -> bool:
     """Whether the estimate finds a way to a site of a goal that nothing fixed bars."""
     for family in world.families:
         hold = world.place_hold(index, family, goal.world_yaw, None)
-        if world.reachable_goal(goal, index, family, hold, (goal.world_yaw, None)).any():
+        if world.reachable_goal(goal, index, family, hold).any():
             return True
     return False
 

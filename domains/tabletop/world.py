@@ -76,6 +76,11 @@ class SiteHold:
         """Metres in the plane that the grip and its centre are from the site, at most."""
         return float(np.abs(self.rows).sum(axis=1).max())
 
+    @cached_property
+    def key(self) -> Hashable:
+        """Equal for holds that come to the same."""
+        return self.rows.tobytes(), self.height, self.fits
+
 
 @dataclass(frozen=True, eq=False)
 class TabletopWorld:
@@ -462,7 +467,7 @@ class TabletopWorld:
             else:
                 out[level] = swept.stand_headings(
                     sites[level], hold.rows, open_ways[level], self.shoulder, wrist, inner, outer,
-                    *self.room,
+                    *self.room.floor,
                 )  # fmt: skip
         return out
 
@@ -489,26 +494,16 @@ class TabletopWorld:
         return np.array(self.robot.centre)
 
     def reachable_goal(
-        self,
-        goal: GoalSites,
-        index: int,
-        family: int,
-        hold: SiteHold,
-        key: Hashable,
-        face: int = 0,
+        self, goal: GoalSites, index: int, family: int, hold: SiteHold, face: int = 0
     ) -> Ints:
-        """The same for the sites of a goal of an object on a face; `key` tells the hold."""
-        question = (goal.key, self.kinds[index], family, key, face)
+        """The same for the sites of a goal of an object on a face."""
+        question = (goal.key, self.kinds[index], family, face, hold.key)
         own = self.own(index, face)
         if goal.frame is None:
             return self.memory.answer(
                 "reachable goals", question, lambda: self.reachable(goal.xyz, own, hold, family)
             )
         return self.reachable(goal.xyz, own, hold, family)
-
-    def has_room(self, x: float, y: float, yaw: float) -> bool:
-        """Whether the robot can get to a position and turn there."""
-        return self.room.contains(x, y)
 
     def is_narrow(self, x: float, y: float, yaw: float) -> bool:
         """Whether the robot can stand somewhere with a heading, though it cannot turn there: it

@@ -140,17 +140,42 @@ def connected(clear, i, j):  # type: ignore[no-untyped-def]
     return found
 
 
+NOWHERE, BESIDE, INSIDE = 0, 1, 2
+"""Marks of cells: not in the room, in or beside it, and clear all over besides."""
+
+
 @njit(cache=True)
-def in_room(room, x0, y0, cell, boxes, clearance, x, y):  # type: ignore[no-untyped-def]
-    """Whether a position is clear and in (or beside) a cell of the room (rows, columns)."""
+def in_room(marks, x0, y0, cell, boxes, clearance, x, y):  # type: ignore[no-untyped-def]
+    """Whether a position is clear and in or beside a cell of the room (`marked_cells`)."""
     i = math.floor((x - x0) / cell)
     j = math.floor((y - y0) / cell)
-    if i < 0 or j < 0 or i >= room.shape[0] or j >= room.shape[1]:
+    if i < 0 or j < 0 or i >= marks.shape[0] or j >= marks.shape[1]:
         return False
-    near = room[i, j]
-    # The edge of the room runs through cells: a neighbour will do.
-    for di in range(-1, 2):
-        for dj in range(-1, 2):
-            if 0 <= i + di < room.shape[0] and 0 <= j + dj < room.shape[1]:
-                near = near or room[i + di, j + dj]
-    return near and point_is_clear(boxes, clearance, x, y)
+    if marks[i, j] != BESIDE:
+        return marks[i, j] == INSIDE
+    return point_is_clear(boxes, clearance, x, y)
+
+
+@njit(cache=True)
+def marked_cells(room, x0, y0, cell, boxes, clearance):  # type: ignore[no-untyped-def]
+    """What each cell is to a room, which is some cells of a grid (rows, columns): its edge runs
+    through cells, so that their neighbours count as well."""
+    out = np.full(room.shape, NOWHERE, dtype=np.int8)
+    more = np.where(clearance > 0.0, clearance + 0.7072 * cell, 0.0)
+    for i in range(room.shape[0]):
+        for j in range(room.shape[1]):
+            if _is_beside(room, i, j):
+                x = x0 + (i + 0.5) * cell
+                y = y0 + (j + 0.5) * cell
+                out[i, j] = INSIDE if point_is_clear(boxes, more, x, y) else BESIDE
+    return out
+
+
+@njit(cache=True)
+def _is_beside(room, i, j):  # type: ignore[no-untyped-def]
+    """Whether a cell or one of its neighbours is in the room."""
+    for a in range(max(0, i - 1), min(room.shape[0], i + 2)):
+        for b in range(max(0, j - 1), min(room.shape[1], j + 2)):
+            if room[a, b]:
+                return True
+    return False

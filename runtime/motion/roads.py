@@ -14,9 +14,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from runtime.kernels import arm
+from runtime.kernels import arm, plane
 from runtime.kernels.boxes import to_base_frame
 from runtime.kernels.convex import boxes_only
+from runtime.kernels.lanes import way_back
 from runtime.motion.base import MARGIN, BaseRoads, Footprint, drive, footprint
 from runtime.robot.model import Body, RobotModel
 from runtime.world.poses import Floats
@@ -26,6 +27,8 @@ LANE = 1.5
 
 STEP = 0.02
 """Metres between the poses of a lane that are tested, with half of that added to the margin."""
+
+STEPS = math.ceil(LANE / STEP) + 1
 
 Stand = tuple[float, float, float]
 """x, y (m) and heading (rad) of the base."""
@@ -75,7 +78,8 @@ class Roads:
 
     def can_turn(self, x: float, y: float) -> bool:
         """Whether the robot can stand at a position with any heading."""
-        return self.graph.is_clear(x, y)
+        clear: bool = plane.point_is_clear(self.boxes, self.clearance, x, y)
+        return clear
 
     def can_leave(self, stand: Stand) -> bool:
         """Whether the robot can drive off from a pose."""
@@ -87,18 +91,12 @@ class Roads:
         x, y, yaw = stand
         if self.can_turn(x, y):
             return x, y
-        c, s = math.cos(yaw), math.sin(yaw)
-        steps = np.arange(0.0, LANE + STEP, STEP)
-        near = to_base_frame(self.boxes, x, y, yaw, LANE + 1.5)
-        for back in steps:
-            shifted = near.copy()
-            shifted[:, 0] += back
-            if arm.body_collides(self.body, self._placed, boxes_only(shifted), MARGIN + STEP / 2):
-                return None
-            bx, by = x - c * back, y - s * back
-            if self.can_turn(bx, by):
-                return bx, by
-        return None
+        near = boxes_only(to_base_frame(self.boxes, x, y, yaw, LANE + 1.5))
+        back = way_back(
+            self.body, self._placed, near, MARGIN + STEP / 2, STEP, STEPS,
+            self.boxes, self.clearance, x, y, yaw,
+        )  # fmt: skip
+        return None if back < 0 else (x - math.cos(yaw) * back, y - math.sin(yaw) * back)
 
     @cached_property
     def _placed(self) -> Floats:

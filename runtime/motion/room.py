@@ -18,20 +18,27 @@ SPAN = 3.0
 """Metres around the outermost obstacles and the start that are looked at."""
 
 
-class Room(NamedTuple):
-    """Cells (rows, columns) of the floor, from the corner (x0, y0); obstacles with the
-    clearance that the base keeps from each. As `runtime.kernels.plane.in_room` takes them."""
+class Floor(NamedTuple):
+    """Marks (rows, columns) of the cells of the floor, from the corner (x0, y0); obstacles with
+    the clearance that the base keeps from each. As `runtime.kernels.plane.in_room` takes them."""
 
-    cells: NDArray[np.bool_]
+    marks: NDArray[np.int8]
     x0: float
     y0: float
     cell: float
     boxes: Floats
     clearance: Floats
 
+
+class Room(NamedTuple):
+    """A room: which `cells` (rows, columns) of the floor hang together."""
+
+    cells: NDArray[np.bool_]
+    floor: Floor
+
     def contains(self, x: float, y: float) -> bool:
         """Whether the robot can get to a position and turn there."""
-        inside: bool = plane.in_room(*self, x, y)
+        inside: bool = plane.in_room(*self.floor, x, y)
         return inside
 
 
@@ -53,4 +60,5 @@ def room_around(boxes: Floats, clearance: Floats, x: float, y: float) -> Room:
         if 0 <= a < clear.shape[0] and 0 <= b < clear.shape[1]
     ]
     cells = max(rooms, key=lambda cells: int(cells.sum()))
-    return Room(cells, x0, y0, CELL, boxes, clearance)
+    marks = plane.marked_cells(cells, x0, y0, CELL, boxes, clearance)
+    return Room(cells, Floor(marks, x0, y0, CELL, boxes, clearance))

@@ -1,4 +1,5 @@
-"""Free arm motions: a straight line where it is free, else RRT-Connect (OMPL), shortened."""
+"""Free arm motions: a straight line where it is free, else the joints in two stages, else
+RRT-Connect (OMPL), shortened."""
 
 from __future__ import annotations
 
@@ -6,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from runtime.motion.arm_context import ArmContext
+from runtime.kernels.staged import quickest_staged
+from runtime.motion.arm_context import FREE_MARGIN, ArmContext
 from runtime.robot.model import Floats
 
 MAX_CHECKS = 6000
@@ -23,6 +25,9 @@ ROUNDING = 0.5
 
 ARC_POINTS = 7
 
+WIDTHS = (0.98, 0.7, 0.5, 0.3, 0.15)
+"""Shares of both stages of a way that the arc from one to the other may replace, widest first."""
+
 
 def plan(context: ArmContext, start: Floats, goal: Floats, seed: int) -> Floats | None:
     """A collision-free path (p, n) from start to goal (n,), or None where none was found."""
@@ -34,6 +39,9 @@ def plan(context: ArmContext, start: Floats, goal: Floats, seed: int) -> Floats 
         return line
     if any(context.collides(q) for q in line):
         return None
+    path = staged(context, start, goal)
+    if path is not None:
+        return path
     for attempt in range(ATTEMPTS):
         # The planner tests states a step apart; a path that the dense check refuses is
         # searched anew at half the step.
@@ -42,6 +50,25 @@ def plan(context: ArmContext, start: Floats, goal: Floats, seed: int) -> Floats 
             path = shorten(context, path, np.random.default_rng(seed))
             return round_corners(context, path)
     return None
+
+
+def staged(context: ArmContext, start: Floats, goal: Floats) -> Floats | None:
+    """The quickest free path (p, n) on which first some joints move and then the others, with an
+    arc in place of the corner; None where none is free."""
+    robot = context.robot
+    first = quickest_staged(
+        robot.chain, context.body, context.obstacles, FREE_MARGIN, context.sweep,
+        robot.velocity, start, goal,
+    )  # fmt: skip
+    if not first:
+        return None
+    corner = np.where((first >> np.arange(len(start))) & 1, goal, start)
+    for width in WIDTHS:
+        before, after = corner + width * (start - corner), corner + width * (goal - corner)
+        path = np.vstack([start, _arc(before, corner, after), goal])
+        if context.path_is_free(path):
+            return path
+    return np.array([start, corner, goal])
 
 
 def rrt_connect(
@@ -155,10 +182,16 @@ def round_corners(context: ArmContext, path: Floats) -> Floats:
             width = widest / 2**halving
             start = corner + to * (width / np.linalg.norm(to))
             end = corner + away * (width / np.linalg.norm(away))
-            t = np.linspace(0.0, 1.0, ARC_POINTS)[:, None]
-            wider = (1 - t) ** 2 * start + 2 * t * (1 - t) * corner + t**2 * end
+            wider = _arc(start, corner, end)
             if context.path_is_free(wider):
                 arc = wider
                 break
         rounded += list(arc)
     return np.array([*rounded, path[-1]])
+
+
+def _arc(start: Floats, corner: Floats, end: Floats) -> Floats:
+    """Points of a parabola (ARC_POINTS, n) that leaves along one line and arrives along another."""
+    t = np.linspace(0.0, 1.0, ARC_POINTS)[:, None]
+    arc: Floats = (1 - t) ** 2 * start + 2 * t * (1 - t) * corner + t**2 * end
+    return arc

@@ -265,10 +265,10 @@ def in_room(room: Room, point: Floats) -> bool:
     """Whether a point keeps its clearances, in a cell of the room or next to one."""
     if any(
         needed > 0 and point_distance(row, *point) < needed
-        for row, needed in zip(room.boxes, room.clearance, strict=True)
+        for row, needed in zip(room.floor.boxes, room.floor.clearance, strict=True)
     ):
         return False
-    i, j = np.floor((point - [room.x0, room.y0]) / room.cell).astype(int)
+    i, j = np.floor((point - [room.floor.x0, room.floor.y0]) / room.floor.cell).astype(int)
     rows, columns = room.cells.shape
     if not (0 <= i < rows and 0 <= j < columns):
         return False

@@ -249,7 +249,7 @@ def test_a_heading_needs_somewhere_to_stand(rng) -> None:
     room = room_around(statics, clearance, 0.0, 0.0)
     sites = np.column_stack([rng.uniform([0.65, -0.4], [1.15, 0.4], (12, 2)), np.full(12, 0.76)])
     hold, wanted = random_hold(rng), rng.integers(0, 1 << swept.HEADINGS, 12)
-    found = swept.stand_headings(sites, hold, wanted, SHOULDER, 0.2, 0.35, 0.72, *room)
+    found = swept.stand_headings(sites, hold, wanted, SHOULDER, 0.2, 0.35, 0.72, *room.floor)
     seen = set()
     for site, ask, bits in zip(sites, wanted, found, strict=True):
         for k in range(swept.HEADINGS):

@@ -299,13 +299,12 @@ class Arrangement:
         """The ways to the sites of a goal for an object, with the grasp that holds it if any."""
         world = self.world
         yaw = goal.world_yaw
-        how: object = None if yaw is not None else grasp
-        key = (goal.key, world.kinds[index], family, yaw, how)
+        hold = world.place_hold(index, family, yaw, grasp)
+        face = 0 if grasp is None else grasp.face
+        key = (goal.key, world.kinds[index], family, face, hold.key)
         known = self.places.get(key)
         if known is None:
-            hold = world.place_hold(index, family, yaw, grasp)
-            face = 0 if grasp is None else grasp.face
-            reachable = world.reachable_goal(goal, index, family, hold, (yaw, how), face)
+            reachable = world.reachable_goal(goal, index, family, hold, face)
             empty = np.zeros((len(goal.xyz), 0), dtype=np.int64)
             own = world.own(index, face)
             known = Places(goal, hold, own, empty, empty, reachable)

@@ -190,7 +190,7 @@ def open_headings(sites, hold, height, own, statics, hand):  # type: ignore[no-u
 @njit(cache=True)
 def stand_headings(  # type: ignore[no-untyped-def]
     sites, hold, wanted, shoulder, wrist, inner, outer,
-    room, x0, y0, cell, statics, clearance,
+    marks, x0, y0, cell, statics, clearance,
 ):  # fmt: skip
     """Those of the `wanted` (S,) headings at sites for which the robot can get to where it
     would have to stand (`runtime.motion.room`).
@@ -209,7 +209,7 @@ def stand_headings(  # type: ignore[no-untyped-def]
             y = sites[i, 1] + s * hold[k, 1] + c * hold[k, 2]
             if _has_stand(
                 x - wrist * c, y - wrist * s, x, y, k, shoulder, inner, outer,
-                room, x0, y0, cell, statics, clearance,
+                marks, x0, y0, cell, statics, clearance,
             ):  # fmt: skip
                 if wrist == 0.0:  # from above the arm may come from anywhere
                     out[i] = wanted[i]
@@ -242,24 +242,25 @@ def fixed_headings(sites, hold, wanted, base, shoulder, wrist, inner, outer):  #
 
 @njit(cache=True)
 def _has_stand(  # type: ignore[no-untyped-def]
-    wx, wy, x, y, k, shoulder, inner, outer, room, x0, y0, cell, statics, clearance
+    wx, wy, x, y, k, shoulder, inner, outer, marks, x0, y0, cell, statics, clearance
 ):
     """Whether some base position, on a coarse fan around the wrist, is clear."""
     for turn in range(13):
         # Straight behind the gripper first, then further and further aside.
         offset = (turn + 1) // 2 * (1.0 if turn % 2 else -1.0) * 0.2
-        heading = k * STEP + offset
+        ahead = math.cos(k * STEP + offset)
+        aside = math.sin(k * STEP + offset)
         for ring in range(4):
             reach = outer - ring * (outer - inner) / 4.0
-            hx = wx - reach * math.cos(heading)
-            hy = wy - reach * math.sin(heading)
+            hx = wx - reach * ahead
+            hy = wy - reach * aside
             # The base faces the object.
-            yaw = math.atan2(y - hy, x - hx)
-            c = math.cos(yaw)
-            s = math.sin(yaw)
+            away = math.sqrt((x - hx) ** 2 + (y - hy) ** 2)
+            c = (x - hx) / away if away > 0.0 else 1.0
+            s = (y - hy) / away if away > 0.0 else 0.0
             bx = hx - c * shoulder[0] + s * shoulder[1]
             by = hy - s * shoulder[0] - c * shoulder[1]
-            if in_room(room, x0, y0, cell, statics, clearance, bx, by):
+            if in_room(marks, x0, y0, cell, statics, clearance, bx, by):
                 return True
     return False
 

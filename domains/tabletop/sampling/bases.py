@@ -8,12 +8,18 @@ from collections.abc import Sequence
 import numpy as np
 
 from domains.tabletop.sampling.draw import BASES, Draw
+from domains.tabletop.sampling.stands import first_with_room, stand
 from domains.tabletop.state import TOP, BasePose, Grasp, Placement, State
 from domains.tabletop.world import TabletopWorld
-from runtime.world.poses import compose, upright
 
 ROUNDS = 3
 """So many base poses for the same grasp, where there are few grasps."""
+
+TRIES, NARROW_TRIES = 48, 16
+"""Base poses that are drawn for a grasp, where the robot can turn and where it cannot."""
+
+STRAYS = {tries: np.linspace(0.2, 1.2, tries) for tries in (TRIES, NARROW_TRIES)}
+"""Standard deviation, in radians, of the bearing of each of them."""
 
 Wanted = tuple[int, Sequence[tuple[Placement | None, Grasp]]]
 """An object, and grasps of it with where it rests or is to rest."""
@@ -89,30 +95,28 @@ class BaseSampler:
         at = world.rests_at(state.placements, index, placement)
         if at is None:
             return None
-        centre = compose(upright(*at), grasp.tool)[:, 3].tolist()
-        found = world.hand.workspace(grasp.family, centre[2])
+        x, y, height = grasp.centre(at)
+        found = world.hand.workspace(grasp.family, height)
         if found is None:
             return None
-        wrist, inner, outer = found
-        x, y = centre[:2]
+        behind, inner, outer = found
         heading = at[3] + grasp.heading
-        wx, wy = x - wrist * math.cos(heading), y - wrist * math.sin(heading)
-        tries = 16 if narrow else 48
+        wrist = x - behind * math.cos(heading), y - behind * math.sin(heading)
+        tries = NARROW_TRIES if narrow else TRIES
         if grasp.family == TOP:
             # The wrist is above: the arm may come from anywhere.
-            bearing = rng.uniform(-math.pi, math.pi, tries)
+            bearings = rng.uniform(-math.pi, math.pi, tries)
         else:
             # Straight behind the gripper is easiest for the arm; stray further try by try.
-            bearing = heading + rng.normal(size=tries) * np.linspace(0.2, 1.2, tries)
-        reach = rng.uniform(inner, outer, tries)
-        turn = rng.uniform(-0.4, 0.4, tries)
-        cx, cy = world.shoulder
-        for b, r, t in zip(bearing, reach, turn, strict=True):
-            hx, hy = wx - r * math.cos(b), wy - r * math.sin(b)
-            facing = math.atan2(y - hy, x - hx) + t
-            c, s = math.cos(facing), math.sin(facing)
-            bx, by = hx - c * cx + s * cy, hy - s * cx - c * cy
-            stands = world.is_narrow if narrow else world.has_room
-            if stands(bx, by, facing):
-                return BasePose.of(bx, by, facing)
+            bearings = heading + rng.normal(size=tries) * STRAYS[tries]
+        reaches = rng.uniform(inner, outer, tries)
+        turns = rng.uniform(-0.4, 0.4, tries)
+        at_wrist = wrist, (x, y), world.robot.centre
+        if not narrow:
+            number, *pose = first_with_room(*at_wrist, bearings, reaches, turns, *world.room.floor)
+            return None if number < 0 else BasePose.of(*pose)
+        for drawn in zip(bearings, reaches, turns, strict=True):
+            pose = stand(*at_wrist, *drawn)
+            if world.is_narrow(*pose):
+                return BasePose.of(*pose)
         return None

@@ -99,7 +99,7 @@ def test_a_room_is_what_hangs_together_with_its_start(rng) -> None:
     for point in rng.uniform(-2, 2, (400, 2)):
         expected = reference.in_room(room, point)
         answers.add(expected)
-        assert plane.in_room(*room, *point) == expected
+        assert plane.in_room(*room.floor, *point) == expected
     assert answers == {True, False}
 
 

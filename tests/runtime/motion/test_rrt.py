@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 
+from runtime.kernels.staged import quickest_staged
 from runtime.motion import rrt
 from runtime.motion.arm_context import FREE_MARGIN, ArmContext
 from runtime.robot.model import RobotModel
@@ -80,6 +83,37 @@ def test_a_straight_line_is_taken_where_it_is_free(robot) -> None:
     path = rrt.plan(context, robot.home, goal, seed=0)
     assert path is not None
     assert path.tolist() == [robot.home.tolist(), goal.tolist()]
+
+
+def test_of_the_ways_in_two_stages_the_quickest_free_one_is_taken(cluttered, rng) -> None:
+    """Against all ways, tested one by one."""
+    robot, home = cluttered.robot, cluttered.robot.home
+    barred = found = 0
+    for goal in free_postures(cluttered, rng, 40):
+        free = []
+        for moving in itertools.product((False, True), repeat=len(home)):
+            corner = np.where(moving, goal, home)
+            if any(moving) and not all(moving) and not cluttered.collides(corner):
+                seconds = np.abs(goal - home) / robot.velocity
+                needed = seconds[list(moving)].max() + seconds[~np.array(moving)].max()
+                if cluttered.path_is_free(np.array([home, corner, goal])):
+                    free.append(needed)
+        path = rrt.staged(cluttered, home, goal)
+        assert (path is None) == (not free)
+        barred += path is None
+        if path is not None:
+            found += 1
+            first = quickest_staged(
+                robot.chain, cluttered.body, cluttered.obstacles, FREE_MARGIN, cluttered.sweep,
+                robot.velocity, home, goal,
+            )  # fmt: skip
+            moving = ((first >> np.arange(len(home))) & 1).astype(bool)
+            seconds = np.abs(goal - home) / robot.velocity
+            assert seconds[moving].max() + seconds[~moving].max() == pytest.approx(min(free))
+            assert np.array_equal(path[[0, -1]], [home, goal])
+            assert cluttered.path_is_free(path)
+    assert barred
+    assert found
 
 
 def test_ends_in_collision_have_no_path(cluttered, rng) -> None:
