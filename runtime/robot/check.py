@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from runtime.robot.approach import Family
+from runtime.robot.controllers import unmoved
 from runtime.robot.file import RobotFile, read_robot_file
 from runtime.robot.findings import Finding
 from runtime.robot.load import build_robot
@@ -52,7 +53,7 @@ def check_robot(path: Path) -> tuple[list[Finding], RobotModel | None]:
     if found:
         return found, None
     robot = build_robot(file)
-    for look in (_joints, _shapes, _fingers, _tool, _collisions, _workspace):
+    for look in (_joints, _shapes, _controllers, _fingers, _tool, _collisions, _workspace):
         found += look(file, robot)
     return found, robot
 
@@ -87,6 +88,16 @@ def _shapes(file: RobotFile, robot: RobotModel) -> Iterator[Finding]:
                 file.place,
                 "give it a <collision> in the URDF: plans would go through it",
             )
+
+
+def _controllers(file: RobotFile, robot: RobotModel) -> Iterator[Finding]:
+    assert file.gripper is not None
+    fingers = [j for j in map(robot.urdf.joint, file.gripper.fingers) if j is not None]
+    driven = [joint.name for joint in fingers if joint.mimic is None]
+    mobile = robot.base.type != "fixed"
+    for message, hint in unmoved(robot.controllers, [*robot.joints, *driven], mobile):
+        place = f"{file.place}: [controllers]"
+        yield Finding("controller-joints", message, place, hint)
 
 
 def _fingers(file: RobotFile, robot: RobotModel) -> Iterator[Finding]:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from runtime.robot.controllers import Controller, read_controllers
 from runtime.robot.model import MobileBase
 from runtime.robot.urdf import Urdf, read_urdf
 from runtime.tables import Table, read_toml
@@ -43,7 +44,8 @@ class GripperFile:
 class RobotFile:
     """What a robot file says, and the URDF with all that it attaches, limits included.
 
-    `joints` are the planning joints, or None for all that move between base and tool.
+    `joints` are the planning joints, or None for all that move between base and tool;
+    `controllers` those that move the real robot, or None for the usual ones.
     """
 
     place: str
@@ -60,6 +62,7 @@ class RobotFile:
     gripper: GripperFile | None
     base: MobileBase | None
     digest: str
+    controllers: tuple[Controller, ...] | None = None
 
 
 def read_robot_file(path: Path) -> RobotFile:
@@ -104,6 +107,9 @@ def read_robot_file(path: Path) -> RobotFile:
         gripper=_gripper(table.table("gripper")) if table.has("gripper") else None,
         base=mobile,
         digest=_digest(sources, urdf),
+        controllers=(
+            read_controllers(table.table("controllers")) if table.has("controllers") else None
+        ),
     )
     table.finish()
     return file

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from runtime.robot.approach import Derived
+from runtime.robot.controllers import proposed_controllers
 from runtime.robot.file import BUILT_IN, GripperFile, RobotFile, read_robot_file
 from runtime.robot.gripper import FingerPart, Gripper, Hand
 from runtime.robot.model import Chain, PlacedShape, RobotModel
@@ -72,6 +73,10 @@ def build_robot(file: RobotFile) -> RobotModel:
         for shape in urdf.shapes[link]
     )
     ignored = frozenset(frozenset(pair) for pair in file.ignored)
+    controllers = file.controllers
+    if controllers is None:
+        driven = [joint.name for joint in hand.driven]
+        controllers = proposed_controllers(joints, driven, file.base.type != "fixed")
     return RobotModel(
         name=file.name,
         joints=tuple(joint.name for joint in joints),
@@ -93,6 +98,7 @@ def build_robot(file: RobotFile) -> RobotModel:
         urdf_tool=file.tool_link,
         digest=file.digest,
         derive=_derived,
+        controllers=controllers,
     )
 
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from runtime.kernels import arm
 from runtime.kernels.convex import EXACT, NO_SHAPES, Shapes
 from runtime.robot.approach import Approach, Derived, Family
+from runtime.robot.controllers import Controller
 from runtime.robot.gripper import FingerPart, Gripper
 from runtime.robot.shapes import Shape
 from runtime.robot.urdf import Box, Urdf
@@ -82,7 +83,7 @@ class RobotModel:
     Limits in rad or m, velocities and accelerations a second. `pairs` are the parts that are
     tested against each other, `ignored` pairs of links that may touch, `fixed` the values of
     movable joints outside the planning group, `urdf_tool` the link whose frame is the tool.
-    `derive` is asked once for what follows from all this.
+    `derive` is asked once for what follows from all this. `controllers` move the real robot.
     """
 
     name: str
@@ -105,6 +106,7 @@ class RobotModel:
     urdf_tool: str
     digest: str
     derive: Callable[[RobotModel], Derived]
+    controllers: tuple[Controller, ...] = ()
 
     @cached_property
     def derived(self) -> Derived:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from runtime.robot.controllers import misfits
 from runtime.robot.file import RobotFile
 from runtime.robot.findings import Finding
 from runtime.robot.gripper import Hand
@@ -35,6 +36,9 @@ def contradictions(file: RobotFile) -> Iterator[Finding]:
             'add [base] with type = "fixed", "holonomic" or "differential"',
         )
     yield from _gripper(file, not chain)
+    known = [joint.name for joint in file.urdf.joints.values() if joint.type in MOVING]
+    for name, message, hint in misfits(file.controllers or (), known):
+        yield Finding("controller-joints", message, f"{file.place}: [controllers.{name}]", hint)
 
 
 def _chain(file: RobotFile) -> Iterator[Finding]:

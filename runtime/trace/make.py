@@ -84,6 +84,7 @@ def trace_robot(robot: RobotModel) -> TraceRobot:
         openings=robot.gripper.openings,
         finger_table=robot.gripper.values,
         max_force=robot.gripper.max_force,
+        controllers=robot.controllers,
     )
 
 

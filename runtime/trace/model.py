@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from runtime.robot.controllers import Controller
 from runtime.robot.model import Floats
 from runtime.robot.urdf import Joint, Urdf
 from runtime.trace.track import Track
@@ -25,7 +26,8 @@ class TraceRobot:
     values of the other joints, `home` the posture in which it drives, `tool` the link whose
     frame is the grasp centre (x: approach, y: the fingers open). The finger joints have the
     values `finger_table` (k, m) at the openings (k,), and are interpolated in between.
-    `max_force` is that of the fingers in newtons, where it is known.
+    `max_force` is that of the fingers in newtons, where it is known. `controllers` move the real
+    robot.
     """
 
     name: str
@@ -41,6 +43,7 @@ class TraceRobot:
     openings: Floats
     finger_table: Floats
     max_force: float | None = None
+    controllers: tuple[Controller, ...] = ()
 
     def finger_values(self, opening: Floats) -> Floats:
         """Values (..., m) of the finger joints for openings (...)."""

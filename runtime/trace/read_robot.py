@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from runtime.plan.node import Node, poses_of
+from runtime.robot.controllers import ACTIONS, Controller
 from runtime.robot.shapes import Shape
 from runtime.robot.urdf import Joint, Urdf
 from runtime.trace.model import WORLD, TraceRobot
@@ -56,7 +57,26 @@ def robot_of(node: Node) -> TraceRobot:
         openings=openings,
         finger_table=table,
         max_force=None if force is None else force.number(),
+        controllers=_controllers(node.get("controllers"), names),
     )
+
+
+def _controllers(node: Node | None, names: set[str]) -> tuple[Controller, ...]:
+    """Traces that were written before there were controllers have none."""
+    found = []
+    for entry in [] if node is None else node.each():
+        joints = [joint.text() for joint in entry["joints"].each()]
+        if joints:
+            _check_names(entry["joints"], joints, names, "joint")
+        found.append(
+            Controller(
+                entry["name"].text(),
+                entry["type"].choice(*ACTIONS),
+                tuple(joints),
+                entry["action"].text(),
+            )
+        )
+    return tuple(found)
 
 
 def _pose(node: Node, key: str) -> Pose:

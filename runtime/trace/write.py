@@ -164,4 +164,8 @@ def _robot(robot: TraceRobot) -> dict[str, Any]:
         "max_force": None if robot.max_force is None else round(robot.max_force, 6),
         "openings": rounded(robot.openings),
         "finger_values": rounded(robot.finger_table),
+        "controllers": [
+            {"name": c.name, "type": c.type, "joints": list(c.joints), "action": c.action}
+            for c in robot.controllers
+        ],
     }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
@@ -17,6 +18,9 @@ from sketchlang.cli.common import (
     trace_options,
 )
 
+if TYPE_CHECKING:
+    from runtime.trace.model import Trace
+
 ROUNDING = 0.01
 """Seconds by which `--at` may be beyond the end: durations are printed rounded."""
 
@@ -24,15 +28,28 @@ ROUNDING = 0.01
 @click.command(
     epilog="""\b
 Examples:
-  sketchlang export plan.json --trajectory trajectory.yaml
+  sketchlang export plan.json --steps steps.json
+  sketchlang export plan.json --moveit moveit.json --frame odom
   sketchlang export plan.json --bag bag --glb scene.glb --at 20
 """
 )
 @trace_options
 @click.option(
+    "--steps",
+    "steps_file",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="Write the goals for the robot's controllers, step by step, as JSON, which is YAML.",
+)
+@click.option(
+    "--moveit",
+    "moveit_file",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="Write a planning scene, and for each step its RobotTrajectory.",
+)
+@click.option(
     "--trajectory",
     type=click.Path(path_type=Path, dir_okay=False),
-    help="Write ROS 2 JointTrajectory messages, as JSON, which is YAML.",
+    help="Write the whole motion as two JointTrajectory messages.",
 )
 @click.option("--bag", type=click.Path(path_type=Path), help="Write a ROS 2 bag, a new folder.")
 @click.option("--glb", type=click.Path(path_type=Path, dir_okay=False), help="Write a 3D model.")
@@ -44,6 +61,26 @@ Examples:
     metavar="S",
     help="The time that the model shows.",
 )
+@click.option(
+    "--frame",
+    default="map",
+    show_default=True,
+    metavar="NAME",
+    help="The frame of the scene in steps, planning scene and bag.",
+)
+@click.option(
+    "--rate",
+    type=Number(min=0.1, max=1000),
+    default=20.0,
+    show_default=True,
+    metavar="HZ",
+    help="Messages a second on each topic of the bag.",
+)
+@click.option(
+    "--meshes",
+    metavar="URI",
+    help="Where the bag's robot_description finds its meshes.  [default: in the bag]",
+)
 @interruptible
 def command(
     file: Path,
@@ -51,10 +88,15 @@ def command(
     robot: str | None,
     sketch: str | None,
     domain_file: str | None,
+    steps_file: Path | None,
+    moveit_file: Path | None,
     trajectory: Path | None,
     bag: Path | None,
     glb: Path | None,
     at: float,
+    frame: str,
+    rate: float,
+    meshes: str | None,
 ) -> None:
     """Write FILE, a plan or a trace, in formats of others.
 
@@ -62,9 +104,17 @@ def command(
     """
     from sketchlang.errors import InputError
 
-    if trajectory is None and bag is None and glb is None:
-        fail("nothing to write: give --trajectory, --bag or --glb")
-    outputs = {"--trajectory": trajectory, "--bag": bag, "--glb": glb}
+    outputs = {
+        "--steps": steps_file,
+        "--moveit": moveit_file,
+        "--trajectory": trajectory,
+        "--bag": bag,
+        "--glb": glb,
+    }
+    if not any(outputs.values()):
+        fail(f"nothing to write: give one of {', '.join(outputs)}")
+    if not frame.strip("/").strip():
+        fail("--frame: a frame has a name")
     check_outputs((file, scene, robot, sketch, domain_file), outputs, folders=("--bag",))
     try:
         if bag is not None:
@@ -75,6 +125,8 @@ def command(
         check_outputs((), outputs, folders=("--bag",))  # again: what a plan names was read now
         if glb is not None and at > trace.duration + ROUNDING:
             fail(f"--at: {at:g} s is after the end, {trace.duration:.2f} s")
+        if steps_file is not None or moveit_file is not None:
+            _write_steps(trace, steps_file, moveit_file, frame)
         if trajectory is not None:
             from runtime.export.messages import trajectories
             from sketchlang.files import write_text
@@ -82,9 +134,9 @@ def command(
             write_text(trajectory, json.dumps(trajectories(trace), indent=1) + "\n")
             say(f"trajectories written to {trajectory}")
         if bag is not None:
-            from runtime.export.bag import write_bag
+            from runtime.export.bag import BagOptions, write_bag
 
-            write_bag(trace, bag)
+            write_bag(trace, bag, BagOptions(rate, frame, meshes))
             say(f"bag written to {bag}")
         if glb is not None:
             from runtime.export.model import glb as model
@@ -94,3 +146,20 @@ def command(
             say(f"model written to {glb}")
     except InputError as error:
         fail(error)
+
+
+def _write_steps(
+    trace: Trace, steps_file: Path | None, moveit_file: Path | None, frame: str
+) -> None:
+    from runtime.export.as_json import steps_to_json
+    from runtime.export.moveit import moveit
+    from runtime.export.steps import steps_of, summary
+    from sketchlang.files import write_text
+
+    steps = steps_of(trace, frame)
+    if steps_file is not None:
+        write_text(steps_file, json.dumps(steps_to_json(trace, steps, frame), indent=1) + "\n")
+        say(f"{summary(steps)}, written to {steps_file}")
+    if moveit_file is not None:
+        write_text(moveit_file, json.dumps(moveit(trace, steps, frame), indent=1) + "\n")
+        say(f"planning scene and {len(steps)} trajectories written to {moveit_file}")

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from runtime.robot.controllers import proposed_controllers
 from runtime.robot.file import FLOOR_LINK, TOOL_LINK, GripperFile, RobotFile, gripper_path
 from runtime.robot.load import build_robot
 from runtime.robot.model import MobileBase, RobotModel
@@ -212,6 +213,9 @@ def _first_file(
         gripper=gripper,
         base=base,
         digest="",
+        controllers=proposed_controllers(
+            moving, () if hand is None else hand.fingers, kind != "fixed"
+        ),
     )
 
 

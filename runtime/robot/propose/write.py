@@ -125,6 +125,10 @@ def robot_toml(proposal: Proposal) -> str:
             f"{key} = {getattr(file.base, key):g}"
             for key in ("velocity", "acceleration", "angular_velocity", "angular_acceleration")
         ]
+    for each in file.controllers or ():
+        lines += ["", f"[controllers.{_text(each.name)}]", f"type = {_text(each.type)}"]
+        if each.joints:
+            lines.append(f"joints = {_texts(each.joints)}")
     return "\n".join(lines) + "\n"
 
 
