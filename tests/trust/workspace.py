@@ -89,5 +89,5 @@ def commands(space: Workspace, plan: Path) -> Iterator[tuple[str, list[str], str
     yield "execute", given, "--trace", read
     for option in ("--html", "--trace", "--mp4", "--png"):
         yield "replay", given, option, read
-    for option in ("--trajectory", "--glb", "--bag"):
+    for option in ("--steps", "--moveit", "--trajectory", "--glb", "--bag"):
         yield "export", given, option, read
