@@ -171,7 +171,7 @@ class Domain:
     goal_test: Callable[[Any], bool] | None = None
     namer: Callable[[Any, Any], str | None] | None = None
     draw: Callable[[str, str], Picture] | None = None
-    schemas: Mapping[str, str] = field(default_factory=dict)
+    schemas: dict[str, str] = field(default_factory=dict)
     _ignores: dict[str, frozenset[str]] = field(default_factory=dict)
     _declared: dict[str, Callable[..., Any]] = field(default_factory=dict)
     _resolved: dict[str, Function] = field(default_factory=dict)

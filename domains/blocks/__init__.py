@@ -13,15 +13,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Block", "BlocksProblem", "State", "domain"]
 
-domain = Domain(
-    "blocks",
-    summary="Towers of blocks on a table, moved one block at a time",
-    schemas={
-        "pick(block)": "The hand takes a block on which nothing lies.",
-        "put(block)": "It puts the block on the table.",
-        "stack(block, block)": "It puts the block on another one on which nothing lies.",
-    },
-)
+domain = Domain("blocks", summary="Towers of blocks on a table, moved one block at a time")
 domain.sort(Block)
 
 
@@ -102,3 +94,10 @@ def load(path: str | Path, _options: LoadOptions) -> BlocksProblem:
     from domains.blocks.scene import read
 
     return read(path)
+
+
+domain.schemas |= {
+    "pick(block)": "The hand takes a block on which nothing lies.",
+    "put(block)": "It puts the block on the table.",
+    "stack(block, block)": "It puts the block on another one on which nothing lies.",
+}

@@ -17,15 +17,7 @@ if TYPE_CHECKING:
 
 __all__ = ["DeliveryProblem", "Package", "State", "domain"]
 
-domain = Domain(
-    "delivery",
-    summary="Packages on a grid, carried one at a time to a target cell",
-    schemas={
-        "move(direction)": "The agent goes to a free cell beside its own.",
-        "pick(package)": "It picks up a package from its cell.",
-        "drop(package)": "It puts down the package that it carries.",
-    },
-)
+domain = Domain("delivery", summary="Packages on a grid, carried one at a time to a target cell")
 domain.sort(Package)
 
 
@@ -86,3 +78,10 @@ def load(path: str | Path, _options: LoadOptions) -> DeliveryProblem:
     from domains.delivery.scene import read
 
     return read(path)
+
+
+domain.schemas |= {
+    "move(direction)": "The agent goes to a free cell beside its own.",
+    "pick(package)": "It picks up a package from its cell.",
+    "drop(package)": "It puts down the package that it carries.",
+}

@@ -236,6 +236,8 @@ class Calls(ABC):
             hint = f"`{text}` is a sort: quantify over a set of them."
         if hint is None and self.domain is not None:
             hint = offered(self.domain.name, self.functions, scope.wants_set)
+            if text in self.domain.atoms:
+                hint = f"`{text}` is a family of novelty atoms. {hint or ''}".rstrip()
         where = f" in domain {self.domain.name}" if self.domain is not None else ""
         message = f"`{text}` is neither declared here nor a function{where}"
         self.report.add("undefined-name", message, scope.label(name.span), hint=hint)

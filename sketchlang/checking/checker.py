@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from sketchlang.checking import formulas
 from sketchlang.checking.calls import Scope
+from sketchlang.checking.comments import note_includes
 from sketchlang.checking.declarations import Placed, collect
 from sketchlang.checking.definitions import definition_order, type_definitions
 from sketchlang.checking.expressions import Typer
@@ -76,6 +77,7 @@ class _Checker:
 
     def run(self) -> CheckedSketch:
         declarations = self.declarations
+        note_includes(self.tree, self.report)
         self._title()
         self._clashes()
         ordered = definition_order(declarations, self.typer)

@@ -11,6 +11,7 @@ WARNINGS = frozenset(
     {
         "always-false",
         "always-true",
+        "commented-include",
         "copied-rule",
         "empty-goal",
         "goal-against-invariant",
