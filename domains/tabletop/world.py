@@ -56,6 +56,9 @@ Placements = tuple[Placement | None, ...]
 MIDDLES: Floats = np.arange(HEADINGS, dtype=np.float64) * STEP
 """The K headings, radians."""
 
+SAME_HEADING = 4
+"""Decimals, in radians, to which headings are told apart when it comes to how a thing is held."""
+
 AWAY = (1e3, 1e3, 0.0, 0.0)
 """Where the sites on an object are that is in the hand: nobody reaches them."""
 
@@ -384,7 +387,25 @@ class TabletopWorld:
         return self.memory.answer(
             "holds",
             (kind, family, yaw, face),
-            lambda: self._hold(self.faces[kind][face], family, yaw),
+            lambda: self._turned_hold(kind, face, family, yaw),
+        )
+
+    def _turned_hold(self, kind: int, face: int, family: int, yaw: float) -> SiteHold:
+        """A hold for an object that is turned by whole steps from another heading is that one
+        with its headings moved on."""
+        steps, rest = divmod(yaw, STEP)
+        rest = round(rest, SAME_HEADING)
+        hold = self.memory.answer(
+            "holds within a step",
+            (kind, face, family, rest),
+            lambda: self._hold(self.faces[kind][face], family, rest),
+        )
+        by = int(steps) % HEADINGS
+        return SiteHold(
+            np.roll(hold.rows, by, axis=0),
+            hold.height,
+            ((hold.fits << by) | (hold.fits >> (HEADINGS - by))) & swept.ALL,
+            np.roll(hold.angles, by) + by * STEP,
         )
 
     def _hold(self, item: Item, family: int, yaw: float) -> SiteHold:

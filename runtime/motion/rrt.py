@@ -46,7 +46,9 @@ def plan(context: ArmContext, start: Floats, goal: Floats, seed: int) -> Floats 
         # The planner tests states a step apart; a path that the dense check refuses is
         # searched anew at half the step.
         path = rrt_connect(context, start, goal, seed + attempt, CHECK_RESOLUTION / 2**attempt)
-        if path is not None and context.path_is_free(path):
+        if path is None:
+            return None
+        if context.path_is_free(path):
             path = shorten(context, path, np.random.default_rng(seed))
             return round_corners(context, path)
     return None

@@ -6,8 +6,10 @@ the same for every scene. Lengths in metres.
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from dataclasses import dataclass
 from enum import Enum
+from functools import cached_property
 
 import numpy as np
 
@@ -67,17 +69,29 @@ class Workspace:
     def at(self, height: float) -> tuple[float, float, float]:
         """Inner and outer radius and wrist offset for a grasp centre at a height; the interval
         is empty (inner = outer = 0) where the arm cannot get."""
+        heights, inner, outer = self._reached
+        step = float(self.heights[1] - self.heights[0]) if len(self.heights) > 1 else 0.0
+        above = bisect_left(heights, height)
+        nearest = min((abs(h - height) for h in heights[max(0, above - 1) : above + 1]), default=1)
+        if not heights or nearest > step:
+            return 0.0, 0.0, self.wrist_offset
+        below, above = max(0, above - 1), min(above, len(heights) - 1)
+        span = heights[above] - heights[below]
+        share = (height - heights[below]) / span if span > 0 else 0.0
+        share = min(1.0, max(0.0, share))
+        return (
+            inner[below] + share * (inner[above] - inner[below]),
+            outer[below] + share * (outer[above] - outer[below]),
+            self.wrist_offset,
+        )
+
+    @cached_property
+    def _reached(self) -> tuple[list[float], list[float], list[float]]:
+        """The heights that are reached, with the radii there: plain numbers, for one height is
+        asked for at a time."""
         found = self.outer > self.inner
-        nothing = 0.0, 0.0, self.wrist_offset
-        if not found.any():
-            return nothing
-        step = self.heights[1] - self.heights[0] if len(self.heights) > 1 else 0.0
-        near = np.abs(self.heights[found] - height) <= step
-        if not near.any():
-            return nothing
-        inner = np.interp(height, self.heights[found], self.inner[found])
-        outer = np.interp(height, self.heights[found], self.outer[found])
-        return float(inner), float(outer), self.wrist_offset
+        heights, inner, outer = self.heights[found], self.inner[found], self.outer[found]
+        return heights.tolist(), inner.tolist(), outer.tolist()
 
     @property
     def reaches(self) -> tuple[float, float] | None:

@@ -134,41 +134,43 @@ class RobotModel:
         What is held is given in the tool frame, as a box or as the solids of a body. It may
         touch the gripper, nothing else.
         """
-        frames = [part.frame for part in self.parts]
-        poses = [part.shape.pose for part in self.parts]
-        those: list[Solid] = [part.shape.solid for part in self.parts]
-        pairs = list(self.pairs)
+        own = self._own
+        poses = own.pose.copy()
         values = np.array([*self.gripper.joint_values(opening).values()])
         for finger in self.finger_parts:
             poses[finger.part] = finger.pose(values)
-        held_parts = _held_parts(held)
-        for part in held_parts:
-            pairs += [
-                (i, len(frames))
-                for i, placed in enumerate(self.parts)
-                if placed.link not in self.gripper.links
-            ]
-            frames.append(len(self.joints))
-            poses.append(compose(self.tool, part.pose))
-            those.append(part.solid)
-        half = np.array([solid.half for solid in those])
-        shape, shapes = self._packed
-        if held_parts:
-            shape, shapes = _pack(those)
+        more = _held_parts(held)
+        if not more:
+            return own._replace(pose=poses)
+        n, count = len(self.parts), len(more)
+        half = np.vstack([own.half, [part.solid.half for part in more]])
+        apart = np.flatnonzero([part.link not in self.gripper.links for part in self.parts])
+        pairs = [np.column_stack([apart, np.full(len(apart), n + i)]) for i in range(count)]
+        shape, shapes = np.append(own.shape, np.full(count, EXACT)), own.shapes
+        if not all(isinstance(part.solid, solids.Box) for part in more):
+            shape, shapes = _pack([p.shape.solid for p in self.parts] + [p.solid for p in more])
         return Body(
-            np.array(frames, dtype=np.int64),
-            np.array(poses),
+            np.append(own.frame, np.full(count, len(self.joints))),
+            np.concatenate([poses, [compose(self.tool, part.pose) for part in more]]),
             half,
             np.linalg.norm(half, axis=1),
-            np.array(pairs, dtype=np.int64).reshape(-1, 2),
+            np.vstack([own.pairs, *pairs]),
             shape,
             shapes,
         )
 
     @cached_property
-    def _packed(self) -> tuple[Ints, Shapes]:
-        """The shapes of the robot's own parts, packed."""
-        return _pack([part.shape.solid for part in self.parts])
+    def _own(self) -> Body:
+        """The robot's own parts, fingers closed."""
+        half = np.array([part.shape.solid.half for part in self.parts])
+        return Body(
+            np.array([part.frame for part in self.parts], dtype=np.int64),
+            np.array([part.shape.pose for part in self.parts]),
+            half,
+            np.linalg.norm(half, axis=1),
+            np.array(self.pairs, dtype=np.int64).reshape(-1, 2),
+            *_pack([part.shape.solid for part in self.parts]),
+        )
 
     @cached_property
     def sweep(self) -> Floats:

@@ -138,14 +138,14 @@ class Executor:
             return Rejection("inverse_kinematics", name)
         step = self.profile.motion_plan
         with step.timed():
-            key = ("motion", picks, reach.approach[-1].tobytes(), asked.key)
-            motion = self._known(key, lambda: self._motion(asked, reach, picks))
-            if isinstance(motion, Rejection):
-                key = ("further", picks, seeds, asked.key)
-                motion = self._known(key, lambda: self._further(asked, seeds, picks))
             after = state.picked(index, grasp) if picks else state.placed(index, placement)
-            if not isinstance(motion, Rejection) and not self.can_leave(after):
-                motion = Rejection("motion_plan", name)
+            motion: Motion | Rejection = Rejection("motion_plan", name)
+            if self.can_leave(after):
+                key = ("motion", picks, reach.approach[-1].tobytes(), asked.key)
+                motion = self._known(key, lambda: self._motion(asked, reach, picks))
+                if isinstance(motion, Rejection):
+                    key = ("further", picks, seeds, asked.key)
+                    motion = self._known(key, lambda: self._further(asked, seeds, picks))
         step.record(not isinstance(motion, Rejection))
         return motion
 

@@ -25,6 +25,8 @@ from runtime.kernels.plane import in_room, point_distance
 HEADINGS = 24
 STEP = 2.0 * math.pi / HEADINGS
 ALL = (1 << HEADINGS) - 1
+COS = np.cos(np.arange(HEADINGS) * STEP)
+SIN = np.sin(np.arange(HEADINGS) * STEP)
 PLAY = 0.002
 """Metres kept between objects that stand side by side."""
 
@@ -72,8 +74,8 @@ def barred_headings(sx, sy, sz, hold, height, own, box, hand, reach):  # type: i
     dy = box[1] - sy
     bits = 0
     for k in range(HEADINGS):
-        c = math.cos(k * STEP)
-        s = math.sin(k * STEP)
+        c = COS[k]
+        s = SIN[k]
         along = c * dx + s * dy - hold[k, 1]
         aside = c * dy - s * dx - hold[k, 2]
         # The box in the frame of the approach.
@@ -203,8 +205,8 @@ def stand_headings(  # type: ignore[no-untyped-def]
         for k in range(HEADINGS):
             if not (wanted[i] >> k) & 1:
                 continue
-            c = math.cos(k * STEP)
-            s = math.sin(k * STEP)
+            c = COS[k]
+            s = SIN[k]
             x = sites[i, 0] + c * hold[k, 1] - s * hold[k, 2]
             y = sites[i, 1] + s * hold[k, 1] + c * hold[k, 2]
             if _has_stand(

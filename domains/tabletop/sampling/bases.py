@@ -36,21 +36,22 @@ class BaseSampler:
         first, then the next of every object, and again, up to a number for each surface."""
         if self.world.is_fixed:
             return []
-        bases, served = self._sampled(draw, wanted, narrow=False)
-        barred = [targets for targets in wanted if targets[0] not in served or draw.attempt]
-        if (barred and len(served) < len({index for index, _ in wanted})) or draw.attempt:
-            bases += self._sampled(draw, barred, narrow=True)[0]
-        return bases
+        bases, without = self._sampled(draw, wanted, narrow=False)
+        if draw.attempt:
+            without = {index for index, _ in wanted}
+        barred = [targets for targets in wanted if targets[0] in without]
+        return bases + self._sampled(draw, barred, narrow=True)[0]
 
     def _sampled(
         self, draw: Draw, wanted: Sequence[Wanted], narrow: bool
     ) -> tuple[list[BasePose], set[int]]:
-        """Base poses, at which the robot can turn or which are `narrow`, and the objects that
-        some of them serve."""
+        """Base poses, at which the robot can turn or which are `narrow`, and the objects for
+        which they were drawn in vain."""
         limit = BASES * draw.scale
         count: dict[int, int] = {}
         bases: list[BasePose] = []
         served: set[int] = set()
+        refused: set[int] = set()
         for turn in range(ROUNDS * max((len(targets) for _, targets in wanted), default=0)):
             for index, targets in wanted:
                 if turn >= ROUNDS * len(targets):
@@ -59,11 +60,13 @@ class BaseSampler:
                 if placement is None or count.get(placement.support, 0) >= limit:
                     continue
                 base = self.pose_for(draw.state, index, placement, grasp, draw.rng, narrow)
-                if base is not None:
-                    bases.append(base)
-                    served.add(index)
-                    count[placement.support] = count.get(placement.support, 0) + 1
-        return bases, served
+                if base is None:
+                    refused.add(index)
+                    continue
+                bases.append(base)
+                served.add(index)
+                count[placement.support] = count.get(placement.support, 0) + 1
+        return bases, refused - served
 
     def stand(
         self,
