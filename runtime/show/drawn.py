@@ -7,13 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from runtime.robot.urdf import Joint
-from runtime.show.colours import TABLE, WALL, Colour, of_links, of_object
-from runtime.show.meshes import Ints, of_body, triangles
+from runtime.show.colours import Colour
+from runtime.show.forms import Ints
+from runtime.show.parts import Node, Part, parts_of
 from runtime.trace.kinematics import Tree, guided_at, links_at, object_at
-from runtime.trace.model import Trace, TraceRobot
+from runtime.trace.model import Trace
 from runtime.world.poses import Floats
-from runtime.world.solids import Box, Solid
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,42 +26,37 @@ class Drawn:
     colour: Colour
 
 
+class Scenery:
+    """The parts of a trace, made once, to be placed at any time."""
+
+    def __init__(self, trace: Trace) -> None:
+        self.trace, self.tree = trace, Tree(trace.robot)
+        self.parts: list[tuple[str, Part]] = []
+        counts: dict[Node, int] = {}
+        for part in parts_of(trace):
+            if part.layer == "looks":
+                number = counts[part.node] = counts.get(part.node, 0) + 1
+                name = part.node.name if number == 1 else f"{part.node.name}_{number}"
+                self.parts.append((name, part))
+
+    def at(self, time: float) -> Iterator[Drawn]:
+        """Everything at a time."""
+        poses = self._poses(time)
+        for name, part in self.parts:
+            yield Drawn(name, part.vertices, part.faces, poses[part.node], part.colour)
+
+    def _poses(self, time: float) -> dict[Node, Floats]:
+        trace = self.trace
+        links = links_at(trace, self.tree, time)
+        found = {Node("link", name): pose for name, pose in links.items()}
+        found[Node("world", "")] = np.eye(4)
+        for fixed in trace.world.fixed:
+            found[Node("fixed", fixed.name)] = guided_at(trace, fixed.name, time)
+        for index, thing in enumerate(trace.world.movables):
+            found[Node("object", thing.name)] = object_at(trace, links, index, time)
+        return found
+
+
 def drawn(trace: Trace, time: float) -> Iterator[Drawn]:
-    """Fixed things, objects and the links of the robot at a time."""
-    furniture = {support.owner for support in trace.world.supports}
-    for fixed in trace.world.fixed:
-        colour = TABLE if fixed.name in furniture else WALL
-        pose = guided_at(trace, fixed.name, time)
-        yield Drawn(fixed.name, *of_body(fixed.body), pose, colour)
-    links = links_at(trace, Tree(trace.robot), time)
-    for index, thing in enumerate(trace.world.movables):
-        pose = object_at(trace, links, index, time)
-        yield Drawn(thing.name, *of_body(thing.body), pose, of_object(thing))
-    colours = of_links(trace.robot)
-    for link, shapes in trace.robot.urdf.shapes.items():
-        for number, shape in enumerate(shapes):
-            pose = links[link] @ np.vstack([shape.pose, [0, 0, 0, 1.0]])
-            name = f"{link}_{number}"
-            yield Drawn(name, *triangles(shape.solid), pose, colours[link])
-    for joint in trace.robot.urdf.joints.values():
-        column = _column(trace.robot, joint)
-        if column is not None:
-            solid, below = column
-            pose = links[joint.child] @ below
-            yield Drawn(f"{joint.child}_column", *triangles(solid), pose, WALL)
-
-
-def _column(robot: TraceRobot, joint: Joint) -> tuple[Solid, Floats] | None:
-    """A column and its pose (4, 4) in the link below what a lift raises: collision shapes
-    alone would leave it floating."""
-    shapes = robot.urdf.shapes[joint.child]
-    lifts = joint.type == "prismatic" and joint.name in robot.joints and joint.axis[2] > 0.99
-    if not lifts or not shapes:
-        return None
-    length, below = joint.upper - joint.lower, np.eye(4)
-    if length <= 0:
-        return None
-    below[:3, 3] = shapes[0].pose[:, 3]
-    x, y, z = shapes[0].half.tolist()
-    below[2, 3] -= z + length / 2
-    return Box((x, y, length)), below
+    """The same for one time only."""
+    yield from Scenery(trace).at(time)

@@ -1,4 +1,4 @@
-"""Solids and bodies as triangles, to be looked at."""
+"""Solids as triangles."""
 
 from __future__ import annotations
 
@@ -6,14 +6,11 @@ import math
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from runtime.show.forms import Ints, cylinder, rounded_box
 from runtime.trace.write_world import hull_faces
-from runtime.world.body import Body
-from runtime.world.poses import Floats, apply
+from runtime.world.poses import Floats
 from runtime.world.solids import Box, Capsule, Cylinder, Hull, Solid, Sphere
-
-Ints = NDArray[np.int64]
 
 AROUND = 32
 """Corners of a circle."""
@@ -78,14 +75,11 @@ def _turned(profile: list[tuple[float, float]], pole: float) -> tuple[Floats, In
     return vertices, np.array(faces, dtype=np.int64)
 
 
-def of_body(body: Body) -> tuple[Floats, Ints]:
-    """A body's mesh, or all its solids, in its frame."""
-    if body.mesh is not None:
-        return body.mesh.vertices, np.asarray(body.mesh.faces, dtype=np.int64)
-    vertices, faces, count = [], [], 0
-    for part in body.parts:
-        points, corners = triangles(part.solid)
-        vertices.append(apply(part.pose, points))
-        faces.append(corners + count)
-        count += len(points)
-    return np.vstack(vertices), np.vstack(faces)
+def of_solid(solid: Solid, radius: float) -> tuple[Floats, Ints]:
+    """The same, edges of boxes and rims of cylinders rounded by a radius: to be looked at."""
+    match solid:
+        case Box() if radius > 0:
+            return rounded_box(solid.size, radius)
+        case Cylinder() if radius > 0:
+            return cylinder(solid.radius, solid.height, radius)
+    return triangles(solid)

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
 from runtime.robot.controllers import Controller
 from runtime.robot.model import Floats
@@ -27,7 +28,8 @@ class TraceRobot:
     frame is the grasp centre (x: approach, y: the fingers open). The finger joints have the
     values `finger_table` (k, m) at the openings (k,), and are interpolated in between.
     `max_force` is that of the fingers in newtons, where it is known. `controllers` move the real
-    robot.
+    robot. `looks` are kept by trace files, which have no mesh files beside them: links, vertices
+    and faces in their frames, colours.
     """
 
     name: str
@@ -44,6 +46,7 @@ class TraceRobot:
     finger_table: Floats
     max_force: float | None = None
     controllers: tuple[Controller, ...] = ()
+    looks: tuple[tuple[str, tuple[Floats, NDArray[np.int64]], tuple[float, float, float]], ...] = ()
 
     def finger_values(self, opening: Floats) -> Floats:
         """Values (..., m) of the finger joints for openings (...)."""

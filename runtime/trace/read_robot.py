@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from runtime.plan.node import Node, poses_of
 from runtime.robot.controllers import ACTIONS, Controller
 from runtime.robot.shapes import Shape
 from runtime.robot.urdf import Joint, Urdf
+from runtime.show.looks import Look
 from runtime.trace.model import WORLD, TraceRobot
 from runtime.trace.read_world import solid_of
 from runtime.world.poses import Pose
@@ -42,7 +45,7 @@ def robot_of(node: Node) -> TraceRobot:
         raise node["tool"].fail(f"there is no link {node['tool'].text()!r}")
     openings = node["openings"].numbers((None,))
     table = node["finger_values"].numbers((len(openings), len(lists["finger_joints"])))
-    force = node["max_force"].optional()
+    force, looks = node["max_force"].optional(), node.get("looks")
     return TraceRobot(
         name=node["name"].text(),
         digest=node["digest"].text(),
@@ -58,6 +61,7 @@ def robot_of(node: Node) -> TraceRobot:
         finger_table=table,
         max_force=None if force is None else force.number(),
         controllers=_controllers(node.get("controllers"), names),
+        looks=tuple(_look(entry, set(shapes)) for entry in looks.each()) if looks else (),
     )
 
 
@@ -77,6 +81,17 @@ def _controllers(node: Node | None, names: set[str]) -> tuple[Controller, ...]:
             )
         )
     return tuple(found)
+
+
+def _look(node: Node, links: set[str]) -> Look:
+    if node["link"].text() not in links:
+        raise node["link"].fail(f"there is no link {node['link'].text()!r}")
+    vertices = node["vertices"].numbers((None, 3))
+    faces = node["faces"].numbers((None, 3)).astype(np.int64)
+    if not 0 <= faces.min() <= faces.max() < len(vertices):
+        raise node["faces"].fail("a face names a vertex that is not there")
+    red, green, blue = node["colour"].numbers((3,)).tolist()
+    return node["link"].text(), (vertices, faces), (red, green, blue)
 
 
 def _pose(node: Node, key: str) -> Pose:

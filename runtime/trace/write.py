@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from runtime.show.looks import is_built_in, looks_of
 from runtime.trace.model import Span, Trace, TraceRobot, TraceSketch
 from runtime.trace.track import Track
 from runtime.trace.write_world import rounded, solid_to_json, world_to_json
@@ -123,7 +124,7 @@ def _sketch(sketch: TraceSketch) -> dict[str, Any]:
 
 
 def _robot(robot: TraceRobot) -> dict[str, Any]:
-    urdf = robot.urdf
+    urdf, looks = robot.urdf, _looks(robot)
     return {
         "name": robot.name,
         "digest": robot.digest,
@@ -168,4 +169,19 @@ def _robot(robot: TraceRobot) -> dict[str, Any]:
             {"name": c.name, "type": c.type, "joints": list(c.joints), "action": c.action}
             for c in robot.controllers
         ],
-    }
+    } | ({"looks": looks} if looks else {})
+
+
+def _looks(robot: TraceRobot) -> list[dict[str, Any]]:
+    """What is seen of a robot, where neither its solids nor looks of ours say it."""
+    if not (robot.looks or any(robot.urdf.visuals.values())) or is_built_in(robot):
+        return []
+    return [
+        {
+            "link": link,
+            "colour": rounded(np.array(colour)),
+            "vertices": rounded(vertices),
+            "faces": faces.tolist(),
+        }
+        for link, (vertices, faces), colour in looks_of(robot)
+    ]

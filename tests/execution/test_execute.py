@@ -18,7 +18,7 @@ from runtime.physics.follow import Follower
 from runtime.physics.materials import Materials
 from runtime.physics.recorder import Recorder
 from runtime.physics.simulation import Physics
-from runtime.show.pictures import Studio, png
+from runtime.show.software import Studio, png
 from runtime.trace.kinematics import Tree, links_at
 from runtime.trace.load import load_trace
 from runtime.trace.write import write_trace

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import struct
 import subprocess
 import sys
 from dataclasses import replace
@@ -21,9 +22,12 @@ from runtime.export import bag
 from runtime.physics import simulation as physics
 from runtime.physics.execute import Report
 from runtime.physics.tracking import Tracking
-from runtime.show import pictures
+from runtime.show import camera, encoder, pictures, software
+from runtime.show.browser import find_browser
 from runtime.show.drawn import drawn
-from runtime.show.pictures import LENS, RIGHT, UP, Studio, moments, write_film
+from runtime.show.moments import moments
+from runtime.show.pictures import write_film
+from runtime.show.software import LENS, RIGHT, UP, Studio
 from runtime.trace.write import write_trace
 from sketchlang.cli.execute import command as execute
 from sketchlang.cli.execute import largest_errors, summary
@@ -210,6 +214,13 @@ def names(folder: Path) -> set[str]:
     return {entry.name for entry in folder.iterdir()}
 
 
+@pytest.fixture
+def no_browser(monkeypatch) -> None:
+    """As on a machine without Chromium."""
+    monkeypatch.setattr(camera, "find_browser", lambda: None)
+
+
+@pytest.mark.usefixtures("no_browser")
 @pytest.mark.parametrize("error", [KeyboardInterrupt, RuntimeError])
 def test_a_film_that_is_interrupted_leaves_the_old_one(error, trace, tmp_path, monkeypatch) -> None:
     pytest.importorskip("imageio_ffmpeg")
@@ -217,7 +228,7 @@ def test_a_film_that_is_interrupted_leaves_the_old_one(error, trace, tmp_path, m
     path.write_text("old")
     picture = Studio.picture
 
-    def interrupted(self: Studio, time: float) -> pictures.Image:
+    def interrupted(self: Studio, time: float) -> software.Image:
         if next(frames, None) is None:
             raise error
         return picture(self, time)
@@ -229,24 +240,57 @@ def test_a_film_that_is_interrupted_leaves_the_old_one(error, trace, tmp_path, m
     assert names(tmp_path) == {"film.mp4"}
 
 
-def test_a_film_is_written(trace, tmp_path) -> None:
+@pytest.mark.usefixtures("no_browser")
+@pytest.mark.parametrize(("name", "start", "mark"), [("f.MP4", 4, b"ftyp"), ("f.gif", 0, b"GIF8")])
+def test_a_film_is_written(name, start, mark, trace, tmp_path) -> None:
     pytest.importorskip("imageio_ffmpeg")
-    path = tmp_path / "film.MP4"
-    write_film(replace(trace, duration=0.3), path, 8.0)
-    assert path.read_bytes()[4:8] == b"ftyp"
-    assert names(tmp_path) == {"film.MP4"}
+    path, said, done = tmp_path / name, [], []
+    short = replace(trace, duration=0.6)
+    write_film(short, path, 8.0, 0.2, 0.5, lambda *counts: done.append(counts), said.append)
+    assert path.read_bytes()[start : start + 4] == mark
+    assert names(tmp_path) == {name}
+    assert done[-1] == (len(done), len(done))
+    assert "no Chromium" in said[0]
 
 
+@pytest.mark.usefixtures("no_browser")
 def test_an_encoder_that_fails_is_told_of(trace, tmp_path, monkeypatch, capfd) -> None:
-    encoder = pytest.importorskip("imageio_ffmpeg")
+    package = pytest.importorskip("imageio_ffmpeg")
     path = tmp_path / "film.mp4"
-    real = encoder.write_frames
-    broken = {"output_params": ["-no_such_option"]}
-    monkeypatch.setattr(encoder, "write_frames", lambda *a, **k: real(*a, **k, **broken))
+    monkeypatch.setattr(package, "get_ffmpeg_exe", lambda: "/bin/false")
     with pytest.raises(InputError, match="encoder"):
         write_film(replace(trace, duration=0.3), path, 8.0)
     assert not capfd.readouterr().err
     assert not names(tmp_path)
+
+
+@pytest.mark.skipif(find_browser() is None, reason="there is no Chromium")
+def test_pictures_and_films_are_taken_of_the_page(trace, tmp_path, monkeypatch) -> None:
+    pytest.importorskip("imageio_ffmpeg")
+    film, said = tmp_path / "f.mp4", []
+    monkeypatch.setattr(pictures, "FILM", replace(encoder.FILM, size=(320, 180)))
+    write_film(replace(trace, duration=0.3), film, 8.0, say=said.append)
+    assert film.read_bytes()[4:8] == b"ftyp"
+    assert not said
+    with camera.camera_of(trace, (480, 270), view="overview") as shooting:
+        first, later = (shooting.shot(share * trace.duration) for share in (0.0, 0.5))
+    assert first.startswith(b"\x89PNG")
+    assert first[16:24] == struct.pack(">II", 480, 270)
+    assert first != later
+
+
+@pytest.mark.usefixtures("no_browser")
+def test_what_a_page_would_show_better_is_said(trace_file, tmp_path) -> None:
+    done = call(replay, trace_file, "--png", tmp_path / "pictures")
+    assert done.exit_code == 0, done.output
+    assert "there is no Chromium: drawn by the software renderer" in done.stderr
+    assert "pictures written" in done.stdout
+
+
+def test_a_film_ends_after_it_begins(trace_file, tmp_path) -> None:
+    film = tmp_path / "f.gif"
+    refused(call(replay, trace_file, "--gif", film, "--from", 5, "--to", 4), "--to", "not after")
+    refused(call(replay, trace_file, "--gif", film, "--against", trace_file), "--html")
 
 
 def test_a_bag_that_is_interrupted_leaves_nothing(trace, tmp_path, monkeypatch) -> None:

@@ -13,6 +13,7 @@ from runtime.show.browser import Browser, find_browser
 from runtime.show.page import page
 from runtime.trace.kinematics import Tree, links_at, object_at
 from runtime.trace.model import Event
+from runtime.trace.valuations import valuations, values_at
 
 needs_browser = pytest.mark.skipif(find_browser() is None, reason="there is no Chromium")
 
@@ -21,7 +22,7 @@ def test_the_page_is_one_small_file(trace) -> None:
     text = page(trace)
     assert len(text) < 2_000_000
     assert "src=" not in text.partition('<script type="application/json"')[0]
-    assert "@TRACE@" not in text
+    assert "@PAYLOAD@" not in text
     assert "default-src 'none'" in text
 
 
@@ -60,7 +61,9 @@ def test_rule_features_and_objects_are_in_step_with_the_time(browser, trace) -> 
         assert (state["subgoal"], state["rule"]) == (number, subgoal.rule)
         assert len(state["lit"]) == 1
         assert state["lit"][0].startswith(f"rule {subgoal.rule} ")
-        assert state["values"]["m"] == str(subgoal.before["m"])
+        values = values_at(valuations(trace), moment)
+        assert state["values"]["m"] == str(values["m"])
+        assert state["values"]["H"] == ("true" if values["H"] else "false")
         links = links_at(trace, tree, moment)
         for index, position in enumerate(state["objects"]):
             expected = object_at(trace, links, index, moment)[:3, 3]
@@ -79,14 +82,15 @@ def test_it_plays_and_pauses(browser) -> None:
 
 @needs_browser
 def test_a_click_on_a_subgoal_goes_there(browser, trace) -> None:
-    browser.evaluate("document.querySelectorAll('#subgoals li')[2].click()")
+    browser.evaluate("document.querySelectorAll('#subgoals button')[2].click()")
     assert browser.evaluate("replay.time") == pytest.approx(trace.subgoals[2].start, abs=1e-5)
 
 
 def press(browser: Browser, key: str) -> None:
     """A key as a person presses it; what has the focus gets it."""
-    code = {" ": 32, "PageUp": 33, "PageDown": 34}[key]
-    event = {"key": key, "windowsVirtualKeyCode": code} | ({"text": " "} if key == " " else {})
+    codes = {"PageUp": 33, "PageDown": 34, "End": 35, "Home": 36, "ArrowLeft": 37, "ArrowRight": 39}
+    code = codes.get(key) or ord(key.upper())
+    event = {"key": key, "windowsVirtualKeyCode": code} | ({"text": key} if len(key) == 1 else {})
     browser.call("Input.dispatchKeyEvent", {"type": "keyDown"} | event)
     browser.call("Input.dispatchKeyEvent", {"type": "keyUp"} | event)
 
@@ -113,7 +117,7 @@ def test_keys_work_after_a_click_on_a_button(browser, trace) -> None:
     press(browser, " ")
     assert browser.evaluate("replay.playing")
     assert browser.evaluate("replay.time") < third - 1
-    browser.evaluate("document.getElementById('follow').focus()")
+    browser.evaluate("document.getElementById('labels').focus()")
     press(browser, "PageDown")
     assert browser.evaluate("replay.time") >= third - 1e-5
     browser.evaluate("replay.play(false); document.activeElement.blur()")
@@ -133,7 +137,77 @@ def test_a_plan_without_actions_and_its_verdict(trace, tmp_path) -> None:
             assert browser.evaluate("replay.time") == time
         assert not [e for e in browser.events if e["method"] == "Runtime.exceptionThrown"]
         colours = browser.evaluate(
-            "[...document.querySelectorAll('#events li')].map((e) => getComputedStyle(e).color)"
+            "[...document.querySelectorAll('#events button')].map((e) => getComputedStyle(e).color)"
         )
     assert colours[0] == "rgb(179, 38, 30)"
     assert colours[1] != colours[0]
+
+
+@needs_browser
+def test_keys_do_all_that_the_mouse_does(browser, trace) -> None:
+    browser.evaluate("replay.play(false); replay.seek(10)")
+    steps = {"ArrowRight": 11.0, "ArrowLeft": 10.0, "Home": 0.0, "End": trace.duration}
+    for key, moment in steps.items():
+        press(browser, key)
+        assert browser.evaluate("replay.time") == pytest.approx(moment, abs=1e-4)
+    cameras = []
+    for _ in range(5):
+        press(browser, "c")
+        cameras.append(browser.evaluate("document.getElementById('camera').value"))
+    assert sorted(cameras) == ["auto", "follow", "gripper", "overview", "top"]
+    for key, box in (("n", "labels"), ("b", "solids"), ("d", "dark")):
+        script = f"document.getElementById('{box}').checked"
+        before = browser.evaluate(script)
+        press(browser, key)
+        assert browser.evaluate(script) is not before
+        press(browser, key)
+    press(browser, "?")
+    assert browser.evaluate("document.getElementById('keys').open")
+    browser.evaluate("document.getElementById('keys').close()")
+
+
+@needs_browser
+def test_everything_can_be_reached_by_tab_and_has_a_name(browser) -> None:
+    nameless = browser.evaluate(
+        "[...document.querySelectorAll('button, input, select, a')].filter((e) => e.tabIndex >= 0"
+        " && !(e.getAttribute('aria-label') || e.textContent.trim() || e.closest('label')))"
+        ".map((e) => e.outerHTML)"
+    )
+    assert nameless == []
+
+
+@needs_browser
+def test_a_page_that_stands_still_is_a_link_to_its_moment(trace, browser, tmp_path) -> None:
+    browser.evaluate("replay.play(false); replay.seek(31.5)")
+    assert browser.evaluate("location.hash") == "#t=31.5"
+    browser.evaluate("location.hash = '#t=12.5'")
+    browser.wait("replay.time === 12.5")
+
+
+@needs_browser
+def test_draw_calls_are_few_and_the_robot_is_large(browser, trace) -> None:
+    for share in (0.1, 0.5, 0.9):
+        browser.evaluate(f"replay.camera('auto'); replay.seek({share * trace.duration})")
+        browser.evaluate("replay.draw()")
+        assert browser.evaluate("replay.calls[0].calls") < 60
+        assert browser.evaluate("replay.robotHeight") > 0.25
+
+
+@needs_browser
+def test_two_plans_stand_side_by_side(trace, tmp_path) -> None:
+    path = tmp_path / "both.html"
+    short = replace(trace, duration=trace.duration / 2)
+    path.write_text(page(trace, short), encoding="utf-8")
+    with Browser(800, 400) as browser:
+        browser.open(path)
+        assert browser.evaluate("document.querySelectorAll('.view canvas').length") == 2
+        assert browser.evaluate("replay.duration") == pytest.approx(trace.duration, abs=1e-5)
+        browser.evaluate("replay.seek(20); replay.draw()")
+        captions = "[...document.querySelectorAll('.caption')].map((e) => e.textContent)"
+        same = browser.evaluate(captions)
+        assert same[0] == same[1]
+        browser.evaluate("document.getElementById('scaled').click(); replay.draw()")
+        moment = 10.0
+        expected = next(a for a in reversed(trace.actions) if a.start <= moment)
+        assert expected.text in browser.evaluate(captions)[1]
+        assert not [e for e in browser.events if e["method"] == "Runtime.exceptionThrown"]

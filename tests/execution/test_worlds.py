@@ -3,11 +3,7 @@
 from __future__ import annotations
 
 import io
-import json
-import shutil
-import subprocess
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,6 +15,7 @@ from runtime.export.model import glb
 from runtime.judge.certify import certify
 from runtime.judge.extents import homogeneous
 from runtime.judge.footing import above
+from runtime.show.browser import Browser, find_browser
 from runtime.show.page import page
 from runtime.trace.kinematics import Tree, guided_at, links_at, object_at
 from runtime.trace.make import trace_of_plan, trace_robot
@@ -136,25 +133,21 @@ def test_a_model_has_the_volumes_of_the_solids(zoo_trace) -> None:
         assert mesh.volume == pytest.approx(expected, rel=0.03), thing.name
 
 
-@pytest.mark.skipif(shutil.which("node") is None, reason="there is no Node")
+@pytest.mark.skipif(find_browser() is None, reason="there is no Chromium")
 def test_a_page_shows_the_same_bodies_at_the_same_places(zoo_trace, tmp_path) -> None:
     path = tmp_path / "page.html"
     path.write_text(page(zoo_trace), encoding="utf-8")
-    times = [0.0, zoo_trace.duration / 3, zoo_trace.duration]
-    harness = Path(__file__).parent / "harness.js"
-    done = subprocess.run(
-        ["node", str(harness), str(path), *map(str, times)],
-        capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    assert done.returncode == 0, done.stderr
-    shown = json.loads(done.stdout.splitlines()[-1])
     tree = Tree(zoo_trace.robot)
-    for time, places in zip(times, shown["seen"], strict=True):
-        links = links_at(zoo_trace, tree, time)
-        for index, place in enumerate(places):
-            expected = object_at(zoo_trace, links, index, time)[:3, 3]
-            assert place == pytest.approx(expected.tolist(), abs=1e-4)
-    for thing, volume in zip(zoo_trace.world.movables, shown["volumes"], strict=True):
+    with Browser(320, 200) as browser:
+        browser.open(path)
+        for time in (0.0, zoo_trace.duration / 3, zoo_trace.duration):
+            browser.evaluate(f"replay.seek({time}); replay.draw()")
+            links = links_at(zoo_trace, tree, time)
+            for index, place in enumerate(browser.evaluate("replay.state.objects")):
+                expected = object_at(zoo_trace, links, index, time)[:3, 3]
+                assert place == pytest.approx(expected.tolist(), abs=1e-4)
+        volumes = browser.evaluate("replay.volumes")
+    for thing, volume in zip(zoo_trace.world.movables, volumes, strict=True):
         expected_volume = sum(part.solid.volume for part in thing.body.parts)
         assert volume == pytest.approx(expected_volume, rel=0.03), thing.name
 

@@ -14,7 +14,7 @@ from hypothesis import given, settings, strategies
 from runtime.search.guide import Guide
 from runtime.search.limits import Limits
 from runtime.search.retrospect import look_back
-from runtime.show.pictures import moments
+from runtime.show.moments import moments
 from runtime.solve import open_task
 from runtime.trace.load import load_trace
 from sketchlang.cli.replay import command as replay

@@ -93,7 +93,8 @@ def test_no_writer_leaves_half_a_file(space, plan_file) -> None:
         if option in ("--png", "--bag"):
             output = space.folder / "folder"
         else:
-            output = space.folder / ("old.mp4" if option == "--mp4" else "old")
+            suffix = option.replace("--", ".") if option in ("--mp4", "--gif") else ""
+            output = space.folder / f"old{suffix}"
             output.write_text("old")
         cannot_write(space, [name, *arguments, option, str(output)])
         assert not [path for path in space.folder.iterdir() if path.name.startswith(".")]

@@ -91,8 +91,8 @@ def test_in_drawings() -> None:
 def test_in_traces(plan_file: Path, tmp_path) -> None:
     from domains.tabletop.scene.worlds import find_world
     from runtime.export.model import glb
+    from runtime.show.moments import moments
     from runtime.show.page import page
-    from runtime.show.pictures import moments
     from runtime.trace.load import load_trace
     from runtime.trace.write import dumps
 
@@ -114,8 +114,8 @@ def test_in_traces(plan_file: Path, tmp_path) -> None:
         # Of the page, what is not the program's own script and style.
         own = re.sub(r"<(script|style)>.*?</\1>", "", text, flags=re.S)
         assert harm(own) is None
-        data = re.findall(r'<script type="application/json" id="trace">(.*?)</script>', own)
-        shown = json.loads(data[0])
+        data = re.findall(r'<script type="application/json" id="payload">(.*?)</script>', own)
+        shown = json.loads(data[0])[0]["trace"]
         # Line breaks and tabs in a name are spaces on a page.
         rules = " ".join(goal["rule"] for goal in shown["subgoals"]).translate({9: " ", 10: " "})
         assert harm(f"rules: {rules}") is None

@@ -87,7 +87,7 @@ def commands(space: Workspace, plan: Path) -> Iterator[tuple[str, list[str], str
     yield "run", [*arguments, *domain], "--out", {**with_domain, **scene}
     yield "execute", [*arguments, "--closed-loop"], "--trace", {**sketch, **scene}
     yield "execute", given, "--trace", read
-    for option in ("--html", "--trace", "--mp4", "--png"):
+    for option in ("--html", "--trace", "--mp4", "--gif", "--png"):
         yield "replay", given, option, read
     for option in ("--steps", "--moveit", "--trajectory", "--glb", "--bag"):
         yield "export", given, option, read
