@@ -21,7 +21,7 @@ QUICK  := tests/test_architecture.py tests/spec tests/language/test_cli.py \
           tests/runtime/world/test_tops.py tests/runtime/judge/test_replay.py \
           tests/runtime/plan/test_version_1.py tests/trust/test_reading.py
 
-.PHONY: demo quick test lint check slow fuzz lock clean help vscode
+.PHONY: demo quick test lint check slow fuzz lock clean help vscode site
 
 help:
 	@echo "make demo   plan a sorting scene, certify the plan, write a page to watch it (SCENE=...)"
@@ -32,6 +32,7 @@ help:
 	@echo "make lint   lint and types"
 	@echo "make check  lint, types and fast tests, for the daily loop"
 	@echo "make vscode package the VS Code extension (needs Node.js)"
+	@echo "make site   the documentation as a site, with a playground, in out/site (needs Node.js)"
 	@echo "make lock   resolve the dependencies anew"
 
 $(READY): requirements.lock pyproject.toml
@@ -71,6 +72,18 @@ check: lint test
 vscode:
 	cd editors/vscode && npm ci --no-progress && npm run -s package
 	@echo "to install it: code --install-extension editors/vscode/dist/sketchlang.vsix"
+
+# The generator of the site has an environment of its own: its packages meet nobody else's.
+SITE := $(VENV)/site
+
+$(SITE)/.ready: $(READY) docs/site/requirements.lock docs/site/package-lock.json
+	$(PYTHON) -m venv $(SITE)
+	$(SITE)/bin/python -m pip install --quiet --disable-pip-version-check --require-hashes -r docs/site/requirements.lock
+	npm ci --prefix docs/site --silent --no-audit --no-fund
+	@touch $@
+
+site: $(SITE)/.ready
+	$(BIN)/python -m docs.site.build --zensical $(SITE)/bin/zensical
 
 lock:
 	$(BIN)/python -m pip install --quiet "pip-tools>=7.5"
