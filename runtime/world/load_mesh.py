@@ -4,14 +4,19 @@ from __future__ import annotations
 
 import io
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from runtime.world.body import Body, Mesh
 from runtime.world.decompose import decompose
 from runtime.world.making import body_of
+from runtime.world.solids import Floats
 from sketchlang.errors import InputError
 from sketchlang.reading import read_bytes
+
+if TYPE_CHECKING:
+    from trimesh import Trimesh
 
 KINDS = (".obj", ".stl", ".ply", ".off", ".glb")
 LARGEST_FILE = 20 << 20
@@ -30,6 +35,41 @@ def load_mesh(path: Path, scale: float = 1.0, mass: float | None = None) -> Body
     Raises:
         InputError: the file cannot be read, holds no triangles, or is too large.
     """
+    found = _read(path)
+    vertices, faces = np.array(found.vertices, dtype=float), np.array(found.faces)
+    watertight = bool(found.is_watertight and found.is_winding_consistent)
+    vertices = vertices * scale
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    _refuse_size(path, high - low)
+    vertices = vertices - [(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, low[2]]
+    if watertight and found.volume < 0:
+        faces = faces[:, ::-1]
+    mesh = Mesh(vertices, faces)
+    return body_of(decompose(mesh, watertight), mass, mesh)
+
+
+def pieces_of_mesh(path: Path) -> list[Floats]:
+    """The corners (k, 3) of each connected piece of a mesh file, in its own frame.
+
+    Raises:
+        InputError: as above.
+    """
+    return [np.array(piece.vertices) for piece in _read(path).split(only_watertight=False)]
+
+
+def filling(path: Path) -> float:
+    """How much of the convex hull of a mesh file it fills, from 0 to 1; 1 where that cannot be
+    said, for its surface is not closed.
+
+    Raises:
+        InputError: as above.
+    """
+    mesh = _read(path)
+    whole = float(mesh.convex_hull.volume)
+    return min(1.0, abs(float(mesh.volume)) / whole) if mesh.is_volume and whole > 0 else 1.0
+
+
+def _read(path: Path) -> Trimesh:
     import trimesh
 
     if path.suffix.lower() not in KINDS:
@@ -40,22 +80,15 @@ def load_mesh(path: Path, scale: float = 1.0, mass: float | None = None) -> Body
         )
     data = read_bytes(path, LARGEST_FILE)
     try:
-        found = trimesh.load(
+        found: Trimesh = trimesh.load(
             io.BytesIO(data), file_type=path.suffix.lower()[1:], force="mesh", process=True
         )
         vertices, faces = np.array(found.vertices, dtype=float), np.array(found.faces)
-        watertight = bool(found.is_watertight and found.is_winding_consistent)
+        found.is_watertight, found.is_winding_consistent  # noqa: B018 (they can fail, too)
     except Exception as error:  # each format fails in its own ways
         raise InputError(f"cannot be read as a mesh: {error}", place=str(path)) from None
     _refuse(path, vertices, faces)
-    vertices = vertices * scale
-    low, high = vertices.min(axis=0), vertices.max(axis=0)
-    _refuse_size(path, high - low)
-    vertices = vertices - [(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, low[2]]
-    if watertight and found.volume < 0:
-        faces = faces[:, ::-1]
-    mesh = Mesh(vertices, faces)
-    return body_of(decompose(mesh, watertight), mass, mesh)
+    return found
 
 
 def _refuse(path: Path, vertices: np.ndarray, faces: np.ndarray) -> None:

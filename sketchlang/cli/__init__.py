@@ -41,7 +41,7 @@ COMMANDS = {
     "export": "Write steps for controllers, trajectories, a bag, a 3D model.",
     "send": "Send a plan to a robot's controllers, step by step.",
     "robot": "Bring in a robot of one's own, look its file over.",
-    "import": "Translate a policy of dlplan or runir.",
+    "import": "Translate policies of other tools and scenes of benchmarks.",
     "bench": "Run a benchmark suite and print its tables.",
 }
 

@@ -1,37 +1,127 @@
-"""`sketchlang import dlplan|runir FILE`: a sketch from another tool's notation."""
+"""`sketchlang import`: sketches and scenes from the formats of others."""
 
 from __future__ import annotations
 
 import re
 from pathlib import Path
+from types import ModuleType
 
 import click
 
 from sketchlang.cli.common import check_outputs, fail, interruptible, say
 
+READ = click.Path(path_type=Path)
+WRITTEN = click.Path(path_type=Path, dir_okay=False)
 
-@click.command(
+
+@click.group()
+def command() -> None:
+    """Translate policies of other tools and scenes of benchmarks."""
+
+
+@command.command(
     epilog="""\b
-Examples:
+Example:
   sketchlang import dlplan policy.txt --domain domain.pddl --out policy.sketch
-  sketchlang import runir policy.txt --domain domain.pddl
 """
 )
-@click.argument("notation", type=click.Choice(["dlplan", "runir"]))
-@click.argument("file", type=click.Path(path_type=Path))
+@click.argument("file", type=READ)
 @click.option("--domain", "domain_pddl", required=True, metavar="FILE", help="The PDDL domain.")
-@click.option("--out", type=click.Path(path_type=Path, dir_okay=False), help="Write it here.")
+@click.option("--out", type=WRITTEN, help="Write it here.")
 @interruptible
-def command(notation: str, file: Path, domain_pddl: str, out: Path | None) -> None:
-    """Translate the policy or sketch in FILE.
+def dlplan(file: Path, domain_pddl: str, out: Path | None) -> None:
+    """Translate the policy or sketch of dlplan in FILE.
 
     There, what a rule does not name may change; here it keeps its value: it becomes `?`.
     Exit 0: translated, and clean but for warnings. 1: translated, with errors in it. 2: not
     translated.
     """
+    from domains.pddl.interchange import dlplan as reader
+
+    _translate(reader, file, domain_pddl, out)
+
+
+@command.command(
+    epilog="""\b
+Example:
+  sketchlang import runir policy.txt --domain domain.pddl --out policy.sketch
+"""
+)
+@click.argument("file", type=READ)
+@click.option("--domain", "domain_pddl", required=True, metavar="FILE", help="The PDDL domain.")
+@click.option("--out", type=WRITTEN, help="Write it here.")
+@interruptible
+def runir(file: Path, domain_pddl: str, out: Path | None) -> None:
+    """Translate the policy or sketch of runir in FILE.
+
+    Features and exit status as with dlplan.
+    """
+    from domains.pddl.interchange import runir as reader
+
+    _translate(reader, file, domain_pddl, out)
+
+
+@command.command(
+    epilog="""\b
+Examples:
+  sketchlang import tmp nonmono.xml nonmono_pb.pddl --out nonmono.toml
+  sketchlang import tmp clutter.xml clutter_pb7.pddl --separate-overlaps --out clutter.toml
+"""
+)
+@click.argument("xml", type=READ)
+@click.argument("pddl", type=READ)
+@click.option("--out", type=WRITTEN, required=True, metavar="SCENE.toml", help="The scene file.")
+@click.option(
+    "--robot", metavar="NAME|FILE", help="Tried with the scene: what it cannot do is said."
+)
+@click.option(
+    "--separate-overlaps",
+    is_flag=True,
+    help="Move objects apart that start in one another, and say which.",
+)
+@click.option(
+    "--any-grasp",
+    is_flag=True,
+    help="Objects may be held from all sides, not only as XML lists for their PR2.",
+)
+@interruptible
+def tmp(
+    xml: Path, pddl: Path, out: Path, robot: str | None, separate_overlaps: bool, any_grasp: bool
+) -> None:
+    """Write a problem of the public benchmark for task and motion planning as a scene.
+
+    XML has its things, with their meshes in the folder `meshes` beside it, PDDL its goal
+    (Lagriffoul et al. 2018). What a scene cannot say is named.
+
+    Exit 0: written. 2: not written.
+    """
+    from domains.tabletop.tmp_benchmark.problem import read_problem
+    from domains.tabletop.tmp_benchmark.start import with_free_start
+    from domains.tabletop.tmp_benchmark.wanted import read_wanted_file
+    from sketchlang.errors import InputError
+    from sketchlang.files import replacing
+
+    check_outputs((xml, pddl), {"--out": out})
+    try:
+        problem = read_problem(xml)
+        wanted, notes = read_wanted_file(pddl, problem.things)
+        with replacing(out) as written:
+            text, more = with_free_start(
+                problem, wanted, written, robot, separate=separate_overlaps, any_grasp=any_grasp
+            )
+            written.write_text(text, encoding="utf-8")
+    except InputError as error:
+        fail(error)
+    objects = sum(1 for _ in problem.movable())
+    say(f"{out}: {objects} objects, {len(wanted.goals)} goals")
+    say(*(f"note: {note}" for note in (*notes, *more)))
+    with_robot = "" if robot is None else f" --robot {robot}"
+    say(f"plan it: sketchlang run pick_and_place {out}{with_robot}")
+
+
+def _translate(reader: ModuleType, file: Path, domain_pddl: str, out: Path | None) -> None:
     import os
 
-    from domains.pddl.interchange import dlplan, runir
     from domains.pddl.interchange.translate import Translator
     from domains.pddl.interface import interface_of
     from sketchlang.errors import InputError
@@ -46,7 +136,6 @@ def command(notation: str, file: Path, domain_pddl: str, out: Path | None) -> No
     folder = out.parent if out is not None else Path()
     try:
         domain = interface_of(domain_pddl)
-        reader = dlplan if notation == "dlplan" else runir
         policy = reader.read(read_text(file, 1 << 20), str(file))
         title = re.sub(r"\W", "_", file.stem)
         title = title if title[:1].isalpha() else f"s{title}"
