@@ -123,6 +123,19 @@ def test_objects_in_one_another_are_refused_or_moved_apart(files: Files) -> None
     assert 0.04 < np.linalg.norm(one - two) < 0.2
 
 
+@pytest.mark.parametrize("ending", ["xml", "pddl"])
+def test_what_is_read_is_not_written_over(files: Files, ending: str) -> None:
+    read = files.write("(on-surface rs1 table1)")
+    before = [path.read_bytes() for path in read]
+    link = files.folder / "link.toml"
+    link.symlink_to(files.folder / f"p.{ending}")
+    for out in (files.folder / f"p.{ending}", link):
+        done = CliRunner().invoke(command, ["tmp", *map(str, read), "--out", str(out)])
+        assert done.exit_code == 2
+        assert "would overwrite what is read" in done.output
+    assert [path.read_bytes() for path in read] == before
+
+
 def test_a_robot_that_has_no_room_starts_near_by(files: Files) -> None:
     done, out = files.bring_in("(on-surface rs1 table1)", start=pose(0.6, 0.0, -0.67))
     assert done.exit_code == 0, done.output

@@ -18,7 +18,9 @@ OTHERS = {
     ("new domain", "--into"),
     ("bench", "--out"),
     ("robot import", "--out"),
-    ("import", "--out"),
+    ("import dlplan", "--out"),
+    ("import runir", "--out"),
+    ("import tmp", "--out"),
 }
 """Folders, a store, and what reads other tools' files: these have tests of their own."""
 INPUTS = {("robot import", "--srdf"), ("bench", "--tasks"), ("replay", "--against")}
