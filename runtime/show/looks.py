@@ -38,7 +38,7 @@ def looks_of(robot: TraceRobot) -> list[Look]:
 
 def is_built_in(robot: TraceRobot) -> bool:
     """Whether this is a robot that comes with us, as it is, and has looks of ours."""
-    if robot.name not in {path.parent.name for path in BUILT_IN.glob("*/*.looks.toml")}:
+    if robot.name not in {path.stem for path in BUILT_IN.glob("*/looks/*.toml")}:
         return False
     return read_robot_file(BUILT_IN / robot.name / f"{robot.name}.toml").digest == robot.digest
 
@@ -47,7 +47,7 @@ def _ours(robot: TraceRobot) -> list[Look]:
     """Shapes that come with a built-in robot."""
     if not is_built_in(robot):
         return []
-    return read_looks(BUILT_IN / robot.name / f"{robot.name}.looks.toml")
+    return read_looks(BUILT_IN / robot.name / "looks" / f"{robot.name}.toml")
 
 
 def _seen(robot: TraceRobot) -> list[Look]:

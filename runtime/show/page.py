@@ -8,6 +8,7 @@ from typing import Any
 
 from runtime.show.pack import packed
 from runtime.show.parts import Node, parts_of
+from runtime.show.policy import policy_svg
 from runtime.trace.model import Trace
 from runtime.trace.valuations import valuations
 from runtime.trace.write import to_json
@@ -23,9 +24,8 @@ SCRIPTS = (
 """The files of the page's script, in the order in which they need each other."""
 
 
-def page(trace: Trace, against: Trace | None = None, graph: str = "") -> str:
-    """The HTML of a trace's replay, beside another one if there is one. `graph` is an SVG of its
-    sketch, in which the present valuation is lit."""
+def page(trace: Trace, against: Trace | None = None) -> str:
+    """The HTML of a trace's replay, beside another one if there is one."""
     title = f"{trace.world.name} · {trace.sketch.name}"
     payload = [_payload(each) for each in (trace, against) if each is not None]
     script = "\n".join(_asset(f"js/{name}.js") for name in SCRIPTS)
@@ -36,7 +36,7 @@ def page(trace: Trace, against: Trace | None = None, graph: str = "") -> str:
         "PAYLOAD": dumps(all_visible(payload), compact=True).replace("<", "\\u003c"),
         "THREE": _script(_asset("three.min.js")),
         "SCRIPT": _script(f'"use strict";\n(() => {{\n{script}}})();\n'),
-        "GRAPH": graph,
+        "GRAPH": "" if against is not None else policy_svg(trace),
     }
     return _PLACE.sub(lambda match: parts[match.group(1)], _asset("replay.html"))
 

@@ -8,7 +8,8 @@ from itertools import combinations
 import pytest
 
 from sketchlang.analysis.graph import dot, mermaid, svg
-from sketchlang.analysis.graph.drawing import Drawing, Look, TooLargeError
+from sketchlang.analysis.graph.drawing import COLOURS, UNREMOVED, Drawing, Look, TooLargeError
+from sketchlang.analysis.graph.drawing import ENDLESS as ENDLESS_COLOUR
 from sketchlang.analysis.graph.layout import lay_out
 from sketchlang.analysis.graph.removal import Removal
 from sketchlang.analysis.graph.views import VIEWS
@@ -129,3 +130,41 @@ def test_boxes_and_labels_do_not_overlap() -> None:
             assert item.x - item.width / 2 >= -1e-6
             assert item.x + item.width / 2 <= found.width + 1e-6
             assert item.y + item.height / 2 <= found.height + 1e-6
+
+
+def luminance(colour: str) -> float:
+    parts = [int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5)]
+    linear = [p / 12.92 if p <= 0.04045 else ((p + 0.055) / 1.055) ** 2.4 for p in parts]
+    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+
+def test_all_colours_can_be_read() -> None:
+    """Text and arrows on white, and text on the fills: a contrast of 4.5 to 1 (WCAG 2.1, AA)."""
+    for ink in (*COLOURS, ENDLESS_COLOUR, UNREMOVED):
+        for paper in ("#ffffff", "#d9f2d9", "#fde0d9"):
+            low, high = sorted((luminance(ink), luminance(paper)))
+            needed = 4.5 if paper == "#ffffff" else 3.0  # on fills they are only borders
+            assert (high + 0.05) / (low + 0.05) >= needed, (ink, paper)
+
+
+@pytest.mark.parametrize("view", ["groups", "policy"])
+def test_each_valuation_is_in_one_box_and_the_start_is_marked(view: str) -> None:
+    verdict = decide_termination(PICK_AND_PLACE)
+    for start in (0b00100, 0b10100, 0b00011):
+        drawing = VIEWS[view](PICK_AND_PLACE, verdict, start)
+        covered = [pattern for box in drawing.boxes for pattern in box.covers]
+        assert len(covered) == len(set(covered))
+        (here,) = [box for box in drawing.boxes if box.start]
+        assert format(start, "05b")[::-1] in here.covers
+        assert "start" in here.lines
+        text = svg.write(drawing)
+        assert all(f'data-box="{box.key}"' in text for box in drawing.boxes)
+        assert {rule for arrow in drawing.arrows for rule in arrow.rules} <= {
+            rule.name for rule in PICK_AND_PLACE.rules
+        }
+
+
+def test_rules_show_their_conditions() -> None:
+    lines = [box.lines for box in draw(PICK_AND_PLACE, "rules").boxes]
+    assert any("if !H, m > 0, u = 0" in each for each in lines)
+    assert len([each for each in lines if each[1].startswith("if ")]) == len(PICK_AND_PLACE.rules)

@@ -31,7 +31,7 @@ def write(drawing: Drawing) -> str:
 
 def _box(box: Box) -> str:
     border = colour(box.step)
-    width = 1 if box.step is None else 2
+    width = 1 if box.step is None and not box.start else 2
     return (
         f"  {box.key} [label={_text(*box.lines)}, "
         f'fillcolor="{_FILLS[box.look]}", color="{border}", penwidth={width}];'

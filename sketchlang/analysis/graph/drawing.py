@@ -20,19 +20,25 @@ class Look(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Box:
-    """A node. `key` is unique in the drawing and made of letters and digits."""
+    """A node. `key` is unique in the drawing and made of letters and digits.
+
+    `step` is the step of the proof after which no arrow leads on from it. `covers` are the
+    valuations that it stands for: a `0`, `1` or `*` for each feature. `start`: a run starts here.
+    """
 
     key: str
     lines: tuple[str, ...]
     look: Look = Look.PLAIN
     step: int | None = None
+    covers: tuple[str, ...] = ()
+    start: bool = False
 
 
 @dataclass(frozen=True, slots=True)
 class Arrow:
     """An edge. `step` is the step of the proof that removes it; None: none does.
 
-    `endless` marks the counterexample.
+    `endless` marks the counterexample. `rules` are the rules that it stands for.
     """
 
     source: str
@@ -40,6 +46,7 @@ class Arrow:
     label: str
     step: int | None = None
     endless: bool = False
+    rules: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,18 +60,19 @@ class Drawing:
 
 
 COLOURS = (
-    "#0072b2",
-    "#e69f00",
-    "#009e73",
-    "#cc79a7",
-    "#56b4e9",
-    "#8c6d31",
-    "#7b5ea7",
-    "#5f9e3a",
+    "#0063a6",
+    "#a34a00",
+    "#00704f",
+    "#a8327d",
+    "#1b6f96",
+    "#7a5a1e",
+    "#6a4a96",
+    "#437a23",
 )
-"""One a step, told apart by most people with impaired colour vision (after Okabe and Ito)."""
+"""One a step, after Okabe and Ito: told apart by most people with impaired colour vision, and dark
+enough to be read as text on white (a contrast of 4.5 to 1)."""
 
-ENDLESS = "#c8102e"
+ENDLESS = "#b80d28"
 """The counterexample."""
 
 UNREMOVED = "#444444"

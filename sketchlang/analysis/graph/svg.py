@@ -5,7 +5,15 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 
-from sketchlang.analysis.graph.drawing import Arrow, Box, Drawing, Look, TooLargeError, colour
+from sketchlang.analysis.graph.drawing import (
+    UNREMOVED,
+    Arrow,
+    Box,
+    Drawing,
+    Look,
+    TooLargeError,
+    colour,
+)
 from sketchlang.analysis.graph.layout import Chain, Item, lay_out
 from sketchlang.escape import markup
 
@@ -145,8 +153,10 @@ def _line(arrow: Arrow, chain: Chain, sides: dict[tuple[int, int], float]) -> st
 def _path(arrow: Arrow, d: str) -> str:
     tint = colour(arrow.step, arrow.endless)
     width = 2.6 if arrow.endless else 1.3
+    rules = f' data-rules="{markup(" ".join(arrow.rules))}"' if arrow.rules else ""
     return (
-        f'<path d="{d}" fill="none" stroke="{tint}" stroke-width="{width}" '
+        f'<path data-from="{arrow.source}"{rules} d="{d}" fill="none" stroke="{tint}" '
+        f'stroke-width="{width}" '
         f'marker-end="url(#head{tint[1:]})"><title>{markup(_label(arrow))}</title></path>'
     )
 
@@ -182,7 +192,14 @@ def _text_on_line(arrow: Arrow, item: Item, label: str) -> list[str]:
 def _box(box: Box, item: Item) -> list[str]:
     width, height = _size(box, 0.0)
     stroke = 1.0 if box.step is None else 2.5
-    parts = [
+    covers = f' data-valuations="{" ".join(box.covers)}"' if box.covers else ""
+    parts = [f'<g data-box="{box.key}"{covers}>']
+    if box.start:
+        parts.append(
+            f'<circle cx="{item.x - width / 2:.1f}" cy="{item.y - height / 2:.1f}" r="6" '
+            f'fill="{UNREMOVED}"/>'
+        )
+    parts += [
         f'<rect x="{item.x - width / 2:.1f}" y="{item.y - height / 2:.1f}" rx="6" '
         f'width="{width:.1f}" height="{height:.1f}" fill="{_FILLS[box.look]}" '
         f'stroke="{colour(box.step)}" stroke-width="{stroke}"/>'
@@ -193,4 +210,4 @@ def _box(box: Box, item: Item) -> list[str]:
         parts.append(
             f'<text x="{item.x:.1f}" y="{y:.1f}" text-anchor="middle"{weight}>{markup(line)}</text>'
         )
-    return parts
+    return [*parts, "</g>"]

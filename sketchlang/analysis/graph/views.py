@@ -17,6 +17,8 @@ from sketchlang.model import SketchModel
 MOST_FEATURES = 8
 """Features up to which all valuations are listed to make a picture."""
 
+START = "start"
+
 MOST_LINES = 3
 """Cubes by which a group of valuations is described."""
 
@@ -50,26 +52,40 @@ class _PolicyGraph:
                         self.edges.append((before, rule.index, base | chosen))
 
 
-def policy_view(model: SketchModel, verdict: Verdict) -> Drawing:
-    """A box for every valuation that an edge enters or leaves, and every gap."""
+def policy_view(model: SketchModel, verdict: Verdict, start: int | None = None) -> Drawing:
+    """A box for every valuation that an edge enters or leaves, and every gap. Boxes have the
+    colour of the last step that takes an edge away from them: so they are grouped by the proof.
+    `start` is the valuation, a bit a feature, where a run starts."""
     graph = _PolicyGraph(model)
     removal, endless = _evidence(model, verdict)
     sources = {before for before, _, _ in graph.edges}
     targets = {after for _, _, after in graph.edges}
+    last: dict[int, int] = {}
+    for before, rule, after in graph.edges:
+        step = removal.of_edge(before, rule, after)
+        if step is not None:
+            last[before] = max(last.get(before, 0), step)
     boxes = []
     for v in graph.valuations:
         if v in graph.goals and v not in targets:
             continue
         look = Look.GOAL if v in graph.goals else Look.PLAIN if v in sources else Look.GAP
-        boxes.append(Box(f"v{v}", (cube(model, (1 << graph.count) - 1, v)[1:-1],), look))
+        words = cube(model, (1 << graph.count) - 1, v)[1:-1]
+        lines = (START, words) if v == start else (words,)
+        covers = (_pattern(graph.count, v),)
+        boxes.append(Box(f"v{v}", lines, look, last.get(v), covers, v == start))
     arrows = _arrows(model, graph.edges, {v: f"v{v}" for v in graph.valuations}, removal, endless)
     return Drawing(
         f"{model.name}: policy graph", tuple(boxes), arrows, _legend(boxes, arrows, removal)
     )
 
 
-def group_view(model: SketchModel, verdict: Verdict) -> Drawing:
-    """A box for all valuations at which the same rules can be used."""
+def _pattern(count: int, valuation: int) -> str:
+    return "".join("1" if valuation >> f & 1 else "0" for f in range(count))
+
+
+def group_view(model: SketchModel, verdict: Verdict, start: int | None = None) -> Drawing:
+    """A box for all valuations at which the same rules can be used; `start` as above."""
     graph = _PolicyGraph(model)
     removal, endless = _evidence(model, verdict)
     usable: dict[int, set[int]] = {v: set() for v in graph.valuations}
@@ -92,7 +108,12 @@ def group_view(model: SketchModel, verdict: Verdict) -> Drawing:
             lines.append(f"and {len(cubes) - MOST_LINES} more")
         look = Look.GOAL if goal else Look.PLAIN if rules else Look.GAP
         lines.append("goal" if goal else "" if rules else "no rule")
-        boxes.append(Box(key, tuple(line for line in lines if line), look))
+        here = start in inside
+        if here:
+            lines.insert(0, START)
+        covers = tuple(_pattern(graph.count, v) for v in members)
+        shown = tuple(line for line in lines if line)
+        boxes.append(Box(key, shown, look, None, covers, here))
         key_of.update(dict.fromkeys(members, key))
     arrows = _arrows(model, graph.edges, key_of, removal, endless)
     return Drawing(
@@ -103,16 +124,21 @@ def group_view(model: SketchModel, verdict: Verdict) -> Drawing:
     )
 
 
-def rule_view(model: SketchModel, verdict: Verdict) -> Drawing:
-    """A box for every rule, an arrow to every rule that can be next."""
+def rule_view(model: SketchModel, verdict: Verdict, start: int | None = None) -> Drawing:
+    """A box for every rule with its conditions and effects, an arrow to every rule that can be
+    next. Rules that can fire at `start` are marked."""
     removal, endless = _evidence(model, verdict)
     rules = [rule for rule in rule_bits(model) if not rule.dead]
     boxes = []
     for rule in rules:
         named = model.rules[rule.index]
         effects = ", ".join(effect(model, f, kind) for f, kind in named.effects.items())
-        lines = (named.name, effects) if effects else (named.name,)
-        boxes.append(Box(f"r{rule.index}", lines, step=removal.of_rule(rule.index)))
+        conditions = cube(model, rule.needs, rule.wants)[1:-1]
+        here = start is not None and start & rule.needs == rule.wants
+        lines = (named.name, START if here else "", conditions and f"if {conditions}", effects)
+        shown = tuple(line for line in lines if line)
+        step = removal.of_rule(rule.index)
+        boxes.append(Box(f"r{rule.index}", shown, step=step, start=here))
     following = {
         (move.rule, after.rule)
         for move, after in zip(endless, endless[1:] + endless[:1], strict=True)
@@ -164,6 +190,13 @@ def _arrows(
         if rule not in rules:
             rules.append(rule)
     return tuple(
-        Arrow(source, target, ", ".join(model.rules[rule].name for rule in rules), step, bad)
+        Arrow(
+            source,
+            target,
+            ", ".join(model.rules[rule].name for rule in rules),
+            step,
+            bad,
+            tuple(model.rules[rule].name for rule in rules),
+        )
         for (source, target, step, bad), rules in merged.items()
     )

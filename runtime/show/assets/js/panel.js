@@ -111,15 +111,19 @@ const makePanel = (view, seek) => {
   });
   tabs[1].hidden = !graph;
   open(0);
+  // The box of the present valuation is lit, and the arrows of the present rule that leave it.
   const lightGraph = (values, rule) => {
     if (!graph) return;
     const key = trace.sketch.features.map(({ name }) => (values[name] > 0 ? "1" : "0")).join("");
-    for (const node of graph.querySelectorAll("[data-valuations]")) {
-      const lit = node.dataset.valuations.split(" ").some((pattern) => [...pattern].every((c, i) => c === "*" || c === key[i]));
+    const here = new Set();
+    for (const node of graph.querySelectorAll("[data-box]")) {
+      const lit = "valuations" in node.dataset ? node.dataset.valuations.split(" ").includes(key) : node.querySelector("text").textContent === rule;
       node.classList.toggle("lit", lit);
-      if (lit && !$("graph").hidden) node.dataset.here = "";
+      if (lit) here.add(node.dataset.box);
     }
-    for (const edge of graph.querySelectorAll("[data-rule]")) edge.classList.toggle("lit", edge.dataset.rule.split(" ").includes(rule));
+    for (const edge of graph.querySelectorAll("[data-from]")) {
+      edge.classList.toggle("lit", here.has(edge.dataset.from) && (edge.dataset.rules || rule).split(" ").includes(rule));
+    }
   };
 
   // Scrolls only the two lists; scrollIntoView would move the page as well.
