@@ -34,10 +34,24 @@ def quickest_staged(chain, body, obstacles, margin, sweep, velocity, start, goal
             path[1, k] = goal[k] if (first >> k) & 1 else start[k]
         if (
             not collides(chain, body, obstacles, margin, path[1], frames, placed)
+            and not _collides_grossly(chain, body, obstacles, margin, path, frames, placed)
             and path_collides(chain, body, obstacles, margin, sweep, path) < 0
         ):
             return first
     return 0
+
+
+@njit(cache=True)
+def _collides_grossly(chain, body, obstacles, margin, path, frames, placed):  # type: ignore[no-untyped-def]
+    """Whether one of a few postures on the lines of a path is not free: of all lines the middle,
+    then the quarters."""
+    for parts in (2, 4):
+        for j in range(1, parts, 2):
+            for k in range(path.shape[0] - 1):
+                q = path[k] + (j / parts) * (path[k + 1] - path[k])
+                if collides(chain, body, obstacles, margin, q, frames, placed):
+                    return True
+    return False
 
 
 @njit(cache=True)

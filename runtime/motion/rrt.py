@@ -31,16 +31,8 @@ WIDTHS = (0.98, 0.7, 0.5, 0.3, 0.15)
 
 def plan(context: ArmContext, start: Floats, goal: Floats, seed: int) -> Floats | None:
     """A collision-free path (p, n) from start to goal (n,), or None where none was found."""
-    robot = context.robot
-    line = np.array([start, goal])
-    if np.any(line < robot.lower) or np.any(line > robot.upper):
-        return None
-    if context.path_is_free(line):
-        return line
-    if any(context.collides(q) for q in line):
-        return None
-    path = staged(context, start, goal)
-    if path is not None:
+    path = simple(context, start, goal)
+    if path is not None or not _is_possible(context, start, goal):
         return path
     for attempt in range(ATTEMPTS):
         # The planner tests states a step apart; a path that the dense check refuses is
@@ -52,6 +44,23 @@ def plan(context: ArmContext, start: Floats, goal: Floats, seed: int) -> Floats 
             path = shorten(context, path, np.random.default_rng(seed))
             return round_corners(context, path)
     return None
+
+
+def simple(context: ArmContext, start: Floats, goal: Floats, _seed: int = 0) -> Floats | None:
+    """A collision-free path without a search: a straight line, or two stages."""
+    if not _is_possible(context, start, goal):
+        return None
+    line = np.array([start, goal])
+    return line if context.path_is_free(line) else staged(context, start, goal)
+
+
+def _is_possible(context: ArmContext, start: Floats, goal: Floats) -> bool:
+    """Whether both ends are within the joint limits and free."""
+    robot = context.robot
+    ends = np.array([start, goal])
+    if np.any(ends < robot.lower) or np.any(ends > robot.upper):
+        return False
+    return not any(context.collides(q) for q in ends)
 
 
 def staged(context: ArmContext, start: Floats, goal: Floats) -> Floats | None:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from domains.tabletop.actions.actions import Pick, Place
-from domains.tabletop.actions.executability import FURTHER
+from domains.tabletop.actions.executability import FURTHER, SEARCHED
 from domains.tabletop.actions.reach import ANOTHER, Reach
 from domains.tabletop.problem import TabletopProblem
 from domains.tabletop.state import BasePose, Grasp, Placement, State
@@ -124,11 +124,11 @@ def barred(problem: TabletopProblem, monkeypatch, number: int) -> list[np.ndarra
     asked_for: list[np.ndarray] = []
     motion = problem.executor._motion
 
-    def barring(asked, reach, picks):
+    def barring(asked, reach, picks, searching):
         asked_for.append(reach.approach[-1])
         if len(asked_for) <= number:
             return Rejection("motion_plan", "a")
-        return motion(asked, reach, picks)
+        return motion(asked, reach, picks, searching)
 
     monkeypatch.setattr(problem.executor, "_motion", barring)
     return asked_for
@@ -154,4 +154,4 @@ def test_the_tries_end_and_are_remembered(problem, monkeypatch) -> None:
     for _ in range(2):
         motion = problem.executor.manipulate(state, 0, state.placements[0], PICK.grasp, True, 60)
         assert motion == Rejection("motion_plan", "a")
-        assert len(tried) == 1 + FURTHER
+        assert len(tried) == 1 + FURTHER + SEARCHED

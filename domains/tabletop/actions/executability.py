@@ -42,7 +42,10 @@ REMEMBERED = 2000
 """Answers about manipulations that are kept."""
 
 FURTHER = 3
-"""Further postures at a grasp that are tried where the first has no free way from home."""
+"""Further postures at a grasp that are tried where the first has no simple way from home, ..."""
+
+SEARCHED = 2
+"""... and the postures for which a way is searched where none of them has."""
 
 Answer = TypeVar("Answer", "Reach | None", "Motion | Rejection")
 
@@ -142,7 +145,7 @@ class Executor:
             motion: Motion | Rejection = Rejection("motion_plan", name)
             if self.can_leave(after):
                 key = ("motion", picks, reach.approach[-1].tobytes(), asked.key)
-                motion = self._known(key, lambda: self._motion(asked, reach, picks))
+                motion = self._known(key, lambda: self._motion(asked, reach, picks, False))
                 if isinstance(motion, Rejection):
                     key = ("further", picks, seeds, asked.key)
                     motion = self._known(key, lambda: self._further(asked, seeds, picks))
@@ -204,9 +207,16 @@ class Executor:
         )
 
     def _further(self, asked: Manipulation, seeds: int, picks: bool) -> Motion | Rejection:
-        """The motion with the arm in another posture than the first, with which there is none."""
-        for reach in islice(self._reaches(asked, seeds), 1, 1 + FURTHER):
-            motion = self._motion(asked, reach, picks)
+        """The motion where the first posture has no simple way: with another one that has, else
+        by searching for one. A posture costs a tenth of a search."""
+        found: list[Reach] = []
+        for reach in islice(self._reaches(asked, seeds), 1 + FURTHER):
+            found.append(reach)
+            motion = self._motion(asked, reach, picks, False) if len(found) > 1 else None
+            if motion is not None and not isinstance(motion, Rejection):
+                return motion
+        for reach in found[:SEARCHED]:
+            motion = self._motion(asked, reach, picks, True)
             if not isinstance(motion, Rejection):
                 return motion
         return Rejection("motion_plan", self.world.items[asked.target[0]].name)
@@ -215,7 +225,10 @@ class Executor:
         """A seed that depends on the question asked, not on what was asked before."""
         return zlib.crc32(repr((self.seed, parts)).encode())
 
-    def _motion(self, asked: Manipulation, reach: Reach, picks: bool) -> Motion | Rejection:
+    def _motion(
+        self, asked: Manipulation, reach: Reach, picks: bool, searching: bool
+    ) -> Motion | Rejection:
+        """The motion with a reach, or none; its free ways are simple ones, or searched for."""
         world, robot = self.world, self.world.robot
         index, placement, grasp = asked.target
         item = world.item(index, placement.face)
@@ -225,10 +238,11 @@ class Executor:
         carrying = self._carrying(index, asked.taken, full.body)
         if carrying is None:
             return Rejection("motion_plan", item.name)
-        there = rrt.plan(empty, robot.home, reach.approach[0], seed)
+        way = rrt.plan if searching else rrt.simple
+        there = way(empty, robot.home, reach.approach[0], seed)
         if there is None:
             return Rejection("motion_plan", item.name)
-        back = rrt.plan(full, reach.retreat[-1], carrying, seed + 1)
+        back = way(full, reach.retreat[-1], carrying, seed + 1)
         if back is None:
             return Rejection("motion_plan", item.name)
         if picks:
