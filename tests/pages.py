@@ -25,7 +25,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
 
-PROGRAMS = ("sketchlang", "python", "cp", "mkdir", "cd", "cat", "DATA=")
+PROGRAMS = ("sketchlang ", "python ", "cp ", "mkdir ", "cd ", "cat ", "DATA=")
 
 NOT_RUN = re.compile(r"<!-- not run: \S.*-->")
 FENCE = re.compile(r"```(\w+)?(?: +(\S+))?$")

@@ -261,7 +261,7 @@ def texts() -> list[Path]:
         if path.is_file()
         and path.suffix in TEXTS
         and path.name != ".git"
-        and "__pycache__" not in path.parts
+        and not {"__pycache__", "node_modules"} & set(path.parts)
     ]
 
 

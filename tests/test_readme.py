@@ -9,6 +9,8 @@ import pytest
 from click.testing import CliRunner
 
 from sketchlang.cli import COMMANDS, cli
+from sketchlang.version import __version__
+from tests.pages import run_page
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -83,3 +85,20 @@ def summary(text: str) -> list[str]:
     lines = [line for line in text.splitlines() if line.startswith(("solved", "rules", "plan"))]
     assert lines
     return [re.sub(r"[\d.]+(?= (s\b|robot configurations))", "N", line) for line in lines]
+
+
+@pytest.mark.slow
+def test_the_first_sketch(tmp_path) -> None:
+    """The section is a page of its own: executed as it is written."""
+    section = README.partition("## Your first sketch")[2].partition("\n## ")[0]
+    page = tmp_path / "first.md"
+    page.write_text(section, encoding="utf-8")
+    (tmp_path / "here").mkdir()
+    run_page(page, tmp_path / "here")
+
+
+def test_the_citation_is_yaml_with_the_version_of_the_package() -> None:
+    text = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    assert f"\nversion: {__version__}\n" in text
+    for key in ("cff-version", "message", "title", "authors"):
+        assert re.search(rf"^{key}:", text, re.M)

@@ -14,13 +14,14 @@ DOCS = ROOT / "docs"
 
 SECTIONS = {
     "Tutorials": ("tutorial.md", "tutorial-*.md"),
-    "How-to": ("howto-*.md", "extending.md", "editors.md"),
+    "How-to": ("howto-*.md", "extending.md"),
     "Reference": (
         "language/*.md",
         "commands.md",
         "diagnostics.md",
         "scenes.md",
         "robots.md",
+        "editors.md",
         "features.md",
         "pddl.md",
         "api.md",

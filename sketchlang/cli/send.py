@@ -89,6 +89,7 @@ def command(
 
         if rosbridge is not None:
             check_rosbridge(rosbridge)
+        _refuse_partial(file)
         trace = load_named(file, scene, robot, sketch, domain_file)
         steps = steps_of(trace, frame)
         if first >= max(len(steps), 1):
@@ -108,6 +109,20 @@ def command(
         say(f"to go on when the cause is gone: --from {number}")
         raise SystemExit(1)
     say(f"done: {summary(steps[first:])}")
+
+
+def _refuse_partial(file: Path) -> None:
+    """Half a plan leaves a robot, and whatever it holds, where it should not stay."""
+    from runtime.plan.node import read_json
+    from sketchlang.errors import InputError
+
+    data = read_json(file).value
+    if isinstance(data, dict) and data.get("failure") is not None:
+        raise InputError(
+            "this plan does not reach its goal",
+            place=str(file),
+            hint="`sketchlang run` said why; to look at its steps: sketchlang export --steps",
+        )
 
 
 def _send(

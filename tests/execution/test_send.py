@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 from click.testing import CliRunner
@@ -99,6 +101,15 @@ def test_mistakes_are_said_in_one_line(plan_file, words, said) -> None:
     assert done.exit_code == 2
     assert said in done.output
     assert len(done.output.splitlines()) <= 2
+
+
+def test_half_a_plan_is_not_sent(plan_data, tmp_path) -> None:
+    plan_data["failure"] = {"reason": "no way", "stuck": {}, "why": []}
+    half = tmp_path / "plan.unsolved.json"
+    half.write_text(json.dumps(plan_data))
+    done = CliRunner().invoke(cli, ["send", str(half), "--dry-run"])
+    assert done.exit_code == 2
+    assert "does not reach its goal" in done.output
 
 
 def test_a_dry_run_lists_the_steps(plan_file, trace) -> None:
