@@ -86,7 +86,8 @@ def disturbed_by(state: State, o: Object, p: Placement) -> Nat:
 
 @domain.function(ignores="base")
 def obstructions(state: State, o: Object) -> Nat:
-    """alpha: fewest objects to be taken away before o can be picked up and put at its goal."""
+    """alpha: what is to be taken away before o can be picked up and put at its goal: the number of
+    objects in the way, and of those in the way of these."""
     from domains.tabletop.features import functions
 
     return functions.obstructions(state, o)

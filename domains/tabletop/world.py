@@ -258,6 +258,16 @@ class TabletopWorld:
         a, b, c = self.faces[index][face].size
         return np.array([x, y, z + c / 2, a / 2, b / 2, c / 2, math.cos(yaw), math.sin(yaw)])
 
+    def site_boxes(self, index: int, goal: GoalSites) -> Floats:
+        """The boxes (S, 8) around an object at the sites of a goal on furniture."""
+        nothing: Placements = (None,) * len(self.items)
+
+        def compute() -> Floats:
+            found = [self.rests_at(nothing, index, p) for p in goal.placements]
+            return np.array([self.box_row(index, at) for at in found if at is not None])
+
+        return self.memory.answer("site boxes", (goal.key, self.kinds[index]), compute)
+
     @cached_property
     def packed(self) -> PackedBodies | None:
         """The solids of all objects, as they stand, and of what is fixed, in one table; None

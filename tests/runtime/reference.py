@@ -20,7 +20,7 @@ from runtime.world.solids import Box
 Floats = NDArray[np.float64]
 
 HEADINGS = 24
-UNREACHABLE = 1000
+UNREACHABLE = 1_000_000
 
 
 # -- poses and boxes ---------------------------------------------------------------------------

@@ -19,8 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from domains.tabletop.faces import Turn, faces_at, turned, turns
-from domains.tabletop.features import swept
-from domains.tabletop.features.clearing import NEVER, Clearing, clearing_of, least_clearing, members
+from domains.tabletop.features import clearing, swept
+from domains.tabletop.features.clearing import NEVER
 from domains.tabletop.features.goals import GoalSites
 from domains.tabletop.features.swept import HEADINGS, STEP
 from domains.tabletop.footprints import footprints_meet
@@ -84,21 +84,12 @@ class Thought:
     @cached_property
     def bars(self) -> Ints:
         """The headings to each object that it bars, for each family (F, n)."""
-        here = self.among
-        owns = here.world.owns_of(here.placements)
-        bars = [
-            swept.barred_matrix(
-                here.sites, picks.holds, picks.heights, owns, self.box[None],
-                here.world.hand.sweeps[family], 0.0,
-            )[:, 0]
-            for family, picks in here.picks.items()
-        ]  # fmt: skip
-        return np.array(bars) * here.present
+        return self.among.bars(self.box[None])[:, :, 0]
 
     @cached_property
-    def clearing(self) -> Clearing:
-        """What to take away before each object."""
-        return self.among.cleared_with(self.bars) if self.bars.any() else self.among.clearing
+    def costs(self) -> Ints:
+        """The cost of taking away each object (n,)."""
+        return self.among.costs_with(self.bars) if self.bars.any() else self.among.costs
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,6 +106,7 @@ class Arrangement:
     places: dict[object, Places] = field(default_factory=dict)
     alpha: dict[tuple[int, Grasp | None], int] = field(default_factory=dict)
     beta: dict[tuple[int, Grasp | None], int] = field(default_factory=dict)
+    harm: dict[object, NDArray[np.bool_]] = field(default_factory=dict)
     misplaced: dict[Grasp | None, frozenset[int]] = field(default_factory=dict)
     letters: dict[str, dict[int, GoalSites]] = field(default_factory=dict)
 
@@ -365,8 +357,8 @@ class Arrangement:
     # -- alpha ----------------------------------------------------------------------------------
 
     def obstructions(self, index: int, goal: GoalSites, grasp: Grasp | None = None) -> int:
-        """alpha: fewest objects to be taken away before an object can be picked up and put at its
-        goal, with the same grasp for both; before it can be put there where it is held already."""
+        """alpha: the cost of taking away what is in the way of picking an object up and putting it
+        at its goal, with the same grasp for both; of putting it there where it is held already."""
         key = (index, grasp)
         found = self.alpha.get(key)
         if found is None:
@@ -410,8 +402,8 @@ class Arrangement:
             pick = self._barring(turn, index, extra)
             least = pick + place
             if least > 0 and max(pick, place) < swept.UNREACHABLE:
-                size, _ = self._cleared(turn.family, index, goal, grasp, extra, turn=turn)
-                least = size if size < NEVER else swept.UNREACHABLE + least
+                cost, _ = self._cleared(turn.family, index, goal, grasp, extra, turn=turn)
+                least = cost if cost < NEVER else swept.UNREACHABLE + least
             fewest = min(fewest, least)
         return fewest
 
@@ -443,7 +435,7 @@ class Arrangement:
         return swept.heading_bit(turn.angle + at[3])
 
     def _of_picking(self, index: int, families: Sequence[int], extra: Thought | None) -> int:
-        """Fewest objects to be taken away before an object can be picked up."""
+        """The cost of taking away what is in the way of picking an object up."""
         fewest = 2 * swept.UNREACHABLE
         none = np.zeros(1, dtype=np.int64)
         for family in families:
@@ -451,9 +443,8 @@ class Arrangement:
             counts = self.picks[family].counts[index : index + 1]
             fewest = min(fewest, int(swept.residue_minima(counts, none, plus, 1).min()))
         if 0 < fewest < swept.UNREACHABLE:
-            clearing = self.clearing if extra is None else extra.clearing
-            size = int(clearing.sizes[index])
-            return size if size < NEVER else swept.UNREACHABLE + fewest
+            cost = int((self.costs if extra is None else extra.costs)[index])
+            return cost if cost < NEVER else swept.UNREACHABLE + fewest
         return fewest
 
     def _of_family(
@@ -480,8 +471,8 @@ class Arrangement:
             return at_most
         if extra is not None and modulus == 1 and place[0] == 0 and not extra.bars.any():
             return self._of_family(family, index, goal, grasp, None)
-        size, _ = self._cleared(family, index, goal, grasp, extra, modulus == 1 and place[0] == 0)
-        return size if size < NEVER else swept.UNREACHABLE + at_most
+        cost, _ = self._cleared(family, index, goal, grasp, extra, modulus == 1 and place[0] == 0)
+        return cost if cost < NEVER else swept.UNREACHABLE + at_most
 
     def _turn(self, index: int, goal: GoalSites, grasp: Grasp | None) -> int:
         """Headings from the way to an object, or from bit 0 where a grasp holds it, to the way
@@ -504,19 +495,19 @@ class Arrangement:
         extra: Thought | None,
         placeable: bool = False,
         turn: Turn | None = None,
-    ) -> tuple[int, Ints]:
-        """Fewest objects to be taken away before an object can be picked up and put at its goal
-        with grasps of a family, or as a turn does: how many, and which. `placeable`: nothing bars
-        the latter."""
+    ) -> tuple[int, NDArray[np.bool_]]:
+        """The cost of what is to be taken away before an object can be picked up and put at its
+        goal with grasps of a family, or as a turn does, and what bars the cheapest ways (n + 1,).
+        `placeable`: nothing bars the latter."""
         picks, there = self.picks[family], family if turn is None else turn.there.family
         ways = self.places_of(index, goal, there, grasp if turn is None else turn.there)
-        clearing = self.clearing if extra is None else extra.clearing
-        counted = np.append(self.present, extra is not None).astype(np.bool_)
-        counted[index] = False
+        costs = np.where(self.present > 0, self.costs if extra is None else extra.costs, -1)
+        costs = np.append(costs, -1 if extra is None else 0)
+        costs[index] = -1
         pick, pickable = np.append(picks.barred[index], 0), int(picks.reachable[index])
         if turn is not None and self.present[index]:
             pickable &= 1 << self._heading(turn, index)
-        place, reachable = np.zeros((1, len(counted)), dtype=np.int64), np.array([swept.ALL])
+        place, reachable = np.zeros((1, len(costs)), dtype=np.int64), np.array([swept.ALL])
         if not placeable:
             plus = np.zeros((len(goal.xyz), 1), dtype=np.int64)
             if extra is not None:
@@ -526,22 +517,27 @@ class Arrangement:
             pick[:], pickable = 0, swept.ALL if grasp is None else 1
         elif extra is not None:
             pick[-1] = extra.bars[self.world.families.index(family), index]
-        found: tuple[int, Ints] = least_clearing(
-            index, pick, pickable, place, reachable, counted, clearing.sets, clearing.sizes,
-            goal.modulus, self._turn(index, goal, grasp) % goal.modulus,
-        )  # fmt: skip
+        onwards = self._turn(index, goal, grasp) % goal.modulus
+        found: tuple[int, NDArray[np.bool_]] = clearing.least_cost(
+            pick, pickable, place, reachable, costs, goal.modulus, onwards
+        )
         return found
 
     @cached_property
-    def clearing(self) -> Clearing:
-        """What to take away before each object."""
-        return self.cleared_with(np.zeros((len(self.picks), len(self.boxes)), dtype=np.int64))
+    def costs(self) -> Ints:
+        """The cost of taking away each object (n,)."""
+        return self.costs_with(np.zeros((len(self.picks), len(self.boxes)), dtype=np.int64))
 
-    def cleared_with(self, bars: Ints) -> Clearing:
+    def costs_with(self, bars: Ints) -> Ints:
         """The same, with one more object that bars some headings to the others (F, n)."""
+        found: Ints = clearing.clearing_costs(*self._barred, bars, self.present)
+        return found
+
+    @property
+    def _barred(self) -> tuple[Ints, Ints]:
+        """What bars what (F, n, n), and how many bar each heading (F, n, K)."""
         barred = np.array([picks.barred for picks in self.picks.values()])
-        counts = np.array([picks.counts for picks in self.picks.values()])
-        return clearing_of(barred, counts, bars, self.present)
+        return barred, np.array([picks.counts for picks in self.picks.values()])
 
     def _pick_barred(self, family: int, index: int, box: Floats) -> Ints:
         """Bits (1,) of the headings to an object that a box bars."""
@@ -558,26 +554,32 @@ class Arrangement:
         return found
 
     def in_the_way(self, index: int, goal: GoalSites) -> list[int]:
-        """Objects to be taken away before an object can be picked up and put at its goal, for
-        every family in which these are fewest; where there is no such way, those that bar a
-        least barred heading."""
-        waits = self.waits(goal)
-        faces = faces_at(self.world, index, goal)
-        if waits:
-            sets = [(int(self.clearing.sizes[index]), self.clearing.sets[index])]
-        elif faces == (0,):
-            sets = [self._cleared(f, index, goal, None, None) for f in self.world.families]
+        """Objects to be taken away before an object can be picked up and put at its goal, along
+        any of the cheapest ways; where there is none, those that bar a least barred heading."""
+        chosen, faces = np.zeros(len(self.boxes), dtype=np.bool_), faces_at(self.world, index, goal)
+        if self.waits(goal):
+            fewest = int(self.costs[index])
+            chosen[index] = True
         else:
-            sets = [
-                self._cleared(turn.family, index, goal, None, None, turn=turn)
-                for turn in self._turns(faces, index, None)
-            ]
-        fewest = min((size for size, _ in sets), default=NEVER)
-        if fewest < NEVER:
-            return sorted({i for size, found in sets if size == fewest for i in members(found)})
-        return self._bars(index, goal)
+            if faces == (0,):
+                ways = [self._cleared(family, index, goal, None, None) for family in self.picks]
+            else:
+                ways = [
+                    self._cleared(turn.family, index, goal, None, None, turn=turn)
+                    for turn in self._turns(faces, index, None)
+                ]
+            fewest = min((cost for cost, _ in ways), default=NEVER)
+            for cost, bars in ways:
+                if cost == fewest:
+                    chosen |= bars[:-1]
+        if fewest >= NEVER:
+            return self._least_bars(index, goal)
+        costs = np.where(self.present > 0, self.costs, -1)
+        found = clearing.all_to_clear(chosen, *self._barred, costs)
+        found[index] = False
+        return [int(i) for i in np.flatnonzero(found)]
 
-    def _bars(self, index: int, goal: GoalSites) -> list[int]:
+    def _least_bars(self, index: int, goal: GoalSites) -> list[int]:
         """Objects that bar a least barred heading to an object, or to a site of its goal."""
         found: set[int] = set()
         for f in self._best(self.picks[f].counts[index].min() for f in self.world.families):
@@ -618,13 +620,11 @@ class Arrangement:
         extra = Thought(self, index, world.box_row(index, at, placement.face))
         owner = world.grounds[placement.support].owner
         below = frozenset() if owner is None else self.standing_on(owner)
-        count = 0
-        for other in misplaced:
-            if other == index or not self.present[other]:
-                continue
-            if other in below:
-                count += 1
-                continue
+        others = frozenset(i for i in misplaced if i != index and self.present[i])
+        count = len(others & below)
+        if not count and not extra.bars.any() and self._leaves_places(extra, others):
+            return 0
+        for other in others - below:
             goal = world.goal_sites(other, self)
             if goal is None:
                 continue
@@ -632,6 +632,62 @@ class Arrangement:
             if not self._both_far(extra, other, goal) or (before > 0 and extra.bars.any()):
                 count += self.obstructions_with(other, goal, None, extra) > before
         return count
+
+    def free_sites(self, index: int, goal: GoalSites) -> NDArray[np.bool_]:
+        """Which sites of a goal no other object occupies (S,)."""
+        taken = swept.occupied_sites(goal.xyz, self.world.own(index), self.boxes, index)
+        found: NDArray[np.bool_] = ~taken
+        return found
+
+    def has_harmless_site(self, index: int, goal: GoalSites, others: Iterable[int]) -> bool:
+        """Whether an object could go to a site of its goal, on furniture, where it certainly is in
+        nobody's way: it bars no heading to any object, and leaves a free one to the goals of the
+        others. That holds, too, once the object itself is away."""
+        world = self.world
+        boxes = world.site_boxes(index, goal)
+        key = (goal.key, world.kinds[index])
+        if key not in self.harm:
+            self.harm[key] = self.bars(boxes) != 0
+        harm = self.harm[key].copy()
+        harm[:, index] = False
+        harmless = self.free_sites(index, goal) & ~harm.any(axis=(0, 1))
+        return any(
+            self._leaves_places(Thought(self, index, boxes[s]), others)
+            for s in np.flatnonzero(harmless)
+        )
+
+    def bars(self, boxes: Floats) -> Ints:
+        """The headings to each object that boxes (b, 8) bar, for each family (F, n, b)."""
+        owns = self.world.owns_of(self.placements)
+        bars = [
+            swept.barred_matrix(
+                self.sites, picks.holds, picks.heights, owns, boxes,
+                self.world.hand.sweeps[family], 0.0,
+            )
+            for family, picks in self.picks.items()
+        ]  # fmt: skip
+        return np.array(bars) * self.present[:, None]
+
+    def _leaves_places(self, extra: Thought, others: Iterable[int]) -> bool:
+        """Whether an object thought to be there bars nothing on the way to the goals of others,
+        or leaves free ways to other sites of these."""
+        seen = set()
+        for other in others:
+            goal = self.world.goal_sites(other, self)
+            if goal is None or self.waits(goal) or (goal.key, self.world.kinds[other]) in seen:
+                continue
+            if faces_at(self.world, other, goal) != (0,) or self._face(other, None):
+                return False  # it is turned on its way there
+            seen.add((goal.key, self.world.kinds[other]))
+            for family in self.world.families:
+                ways = self.places_of(other, goal, family)
+                plus = _place_barred(self.world, ways, family, extra.box[None])[:, 0]
+                if plus.any() and (
+                    goal.modulus > 1
+                    or swept.residue_minima(ways.counts, np.zeros_like(plus), plus, 1)[0] > 0
+                ):
+                    return False
+        return True
 
     def _both_far(self, extra: Thought, other: int, goal: GoalSites) -> bool:
         """Whether a box is too far from an object and from its goal to be in its way."""

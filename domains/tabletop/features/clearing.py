@@ -1,185 +1,186 @@
 """What has to be taken away first: objects in the way, those in the way of these, and so on.
 
 A way to an object is free once every object that bars it has been taken away; such a one can be
-taken away once a way to it is free. Knuth's generalisation of Dijkstra's algorithm gives each
-object a set to be taken away before it, the objects with the smallest sets first. It is nearly
-always a smallest one; to find one always is as hard as covering by sets.
+taken away once a way to it is free. The *cost* of an object is
 
-Sets of objects are bits, 63 a word. Headings are those of `swept`.
+    cost(i) = min over the ways to i of the sum of 1 + cost(j) over the objects j that bar it,
+
+the least solution of these equations (Knuth's generalisation of Dijkstra's algorithm). Where
+nothing that bars is barred itself, that is the number of objects in the way. An object in the way
+of two others counts twice. In return the costs keep what sketches rely on, and smallest sets
+of objects, which would be hard to find besides, would not do better: taking an object away
+raises no cost, and lowers that of each object in whose way it counts.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numba import njit
 
-from domains.tabletop.features.swept import HEADINGS
-
-if TYPE_CHECKING:
-    from domains.tabletop.world import Ints
+from domains.tabletop.features.swept import HEADINGS, UNREACHABLE
 
 WORD = 63
-NEVER = 1 << 30
-"""The size of a set that does not exist: the object cannot be taken away."""
+"""Objects a word in a set of objects."""
 
+NEVER = 1 << 40
+"""The cost of an object that cannot be taken away."""
 
-@dataclass(frozen=True, eq=False)
-class Clearing:
-    """For each object what to take away before it: `sets` (n, W) and their `sizes` (n,), which
-    are `NEVER` for objects that cannot be taken away."""
-
-    sets: Ints
-    sizes: Ints
-
-
-def clearing_of(barred: Ints, counts: Ints, extra: Ints, present: Ints) -> Clearing:
-    """What to take away before each object.
-
-    `barred` (F, n, n) and `counts` (F, n, K) are those of each family of approaches, `extra`
-    (F, n) the headings that one more object, number n, bars besides; that one is taken to be
-    free itself.
-    """
-    sets, sizes = _clear(barred, counts, extra, present)
-    return Clearing(sets, sizes)
-
-
-def members(row: Ints) -> list[int]:
-    """The objects in a set (W,)."""
-    return [
-        WORD * word + bit
-        for word, bits in enumerate(row.tolist())
-        for bit in range(WORD)
-        if (bits >> bit) & 1
-    ]
+MOST = 100_000
+"""Costs are cut off there: more would only be told apart by who counts them."""
 
 
 @njit(cache=True)
-def _clear(barred, counts, extra, present):  # type: ignore[no-untyped-def]
+def clearing_costs(barred, counts, extra, present):  # type: ignore[no-untyped-def]
+    """The cost of taking away each object (n,).
+
+    `barred` (F, n, n) and `counts` (F, n, K) are those of each family of approaches, `extra`
+    (F, n) the headings that one more object bars besides, which is free itself.
+    """
     families, n, _ = barred.shape
-    words = n // WORD + 1
-    sets = np.zeros((n, words), dtype=np.int64)
-    sizes = np.full(n, NEVER, dtype=np.int64)
+    costs = np.full(n, NEVER, dtype=np.int64)
     done = np.zeros(n, dtype=np.bool_)
-    # For each way: how many that bar it are still to be reckoned, and what to take away for it.
+    # For each way: how many that bar it are still to be reckoned with, and the cost so far.
     pending = counts.astype(np.int64)
-    unions = np.zeros((families, n, HEADINGS, words), dtype=np.int64)
+    sums = np.zeros((families, n, HEADINGS), dtype=np.int64)
     for f in range(families):
         for i in range(n):
             for k in range(HEADINGS):
-                if (extra[f, i] >> k) & 1:
-                    unions[f, i, k, n // WORD] |= 1 << (n % WORD)
+                sums[f, i, k] = (extra[f, i] >> k) & 1
                 if pending[f, i, k] == 0 and present[i]:
-                    _offer(unions[f, i, k], i, sets, sizes)
+                    costs[i] = min(costs[i], sums[f, i, k])
     while True:
-        j = _smallest(sizes, done)
+        j = _cheapest(costs, done)
         if j < 0:
-            return sets, sizes
+            return costs
         done[j] = True
         for f in range(families):
             for i in range(n):
                 if barred[f, i, j] and present[i] and not done[i]:
-                    _take_away(j, barred[f, i, j], i, pending[f, i], unions[f, i], sets, sizes)
+                    found = _reckon(costs[j], barred[f, i, j], pending[f, i], sums[f, i])
+                    costs[i] = min(costs[i], found)
 
 
 @njit(cache=True)
-def _smallest(sizes, done):  # type: ignore[no-untyped-def]
-    """The object with the smallest set of those that are not done, -1 where none can be."""
+def _cheapest(costs, done):  # type: ignore[no-untyped-def]
+    """The object with the least cost of those that are not done, -1 where none is left."""
     best = -1
-    for i in range(len(sizes)):
-        if not done[i] and sizes[i] < NEVER and (best < 0 or sizes[i] < sizes[best]):
+    for i in range(len(costs)):
+        if not done[i] and costs[i] < NEVER and (best < 0 or costs[i] < costs[best]):
             best = i
     return best
 
 
 @njit(cache=True)
-def _take_away(j, bits, i, pending, unions, sets, sizes):  # type: ignore[no-untyped-def]
-    """Reckon with taking away an object for the headings to another one that it bars."""
+def _reckon(cost, bits, pending, sums):  # type: ignore[no-untyped-def]
+    """Reckon with an object of some cost that bars some headings; the least cost of a heading
+    that is complete by that."""
+    best = NEVER
     for k in range(HEADINGS):
         if (bits >> k) & 1:
-            for w in range(sets.shape[1]):
-                unions[k, w] |= sets[j, w]
-            unions[k, j // WORD] |= 1 << (j % WORD)
+            sums[k] = min(MOST, sums[k] + 1 + cost)
             pending[k] -= 1
             if pending[k] == 0:
-                _offer(unions[k], i, sets, sizes)
+                best = min(best, sums[k])
+    return best
 
 
 @njit(cache=True)
-def _offer(union, i, sets, sizes):  # type: ignore[no-untyped-def]
-    """Take a set for an object where it is smaller than the one known."""
-    size = _bits(union)
-    if size < sizes[i]:
-        sizes[i] = size
-        sets[i] = union
+def least_cost(pick, pick_reachable, place, place_reachable, costs, modulus, turn):  # type: ignore[no-untyped-def]
+    """The least cost of a heading to an object and one to a site of its goal: the sum of 1 + cost
+    over the objects that bar either, `NEVER` if there is no way.
 
-
-@njit(cache=True)
-def least_clearing(  # type: ignore[no-untyped-def]
-    index, pick, pick_reachable, place, place_reachable, counted, sets, sizes, modulus, turn
-):  # fmt: skip
-    """The fewest objects to be taken away before one can be picked up along one heading and put
-    down along one at a site of its goal: how many, `NEVER` if there is no way, and all that are
-    in one of the sets (W,) of so many.
-
-    `pick` (n,) and `place` (S, n) are headings that each object bars, `counted` (n,) tells
-    which objects are there. The heading at the site is that to the object plus `turn`,
-    modulo `modulus`. What needs the object itself out of the way first does not count.
+    `pick` (n,) and `place` (S, n) are headings that each object bars, `costs` (n,) those of
+    the objects, below 0 for what does not count. The heading at the site is that to the object
+    plus `turn`, modulo `modulus`. Returned with it is which objects bar such headings (n,).
     """
+    words = len(costs) // WORD + 1
+    before = np.zeros((HEADINGS, words), dtype=np.int64)
+    after = np.zeros((HEADINGS, words), dtype=np.int64)
+    out = np.zeros(HEADINGS, dtype=np.int64)
+    into = np.zeros(HEADINGS, dtype=np.int64)
+    _weigh(pick, pick_reachable, costs, before, out)
     best = NEVER
-    found = np.zeros(sets.shape[1], dtype=np.int64)
-    before = np.zeros((HEADINGS, sets.shape[1]), dtype=np.int64)
-    after = np.zeros((HEADINGS, sets.shape[1]), dtype=np.int64)
-    pickable = _close(index, pick, pick_reachable, counted, sets, sizes, before)
+    found = np.zeros(words, dtype=np.int64)
     for i in range(place.shape[0]):
-        placeable = _close(index, place[i], place_reachable[i], counted, sets, sizes, after)
+        _weigh(place[i], place_reachable[i], costs, after, into)
         for k in range(HEADINGS):
-            if not (pickable >> k) & 1 or _bits(before[k]) > best:
+            if out[k] > best or out[k] >= NEVER:
                 continue
             for m in range((k + turn) % modulus, HEADINGS, modulus):
-                if (placeable >> m) & 1 and _bits(after[m]) <= best:
-                    size = _bits(before[k] | after[m])
-                    if size < best:
-                        best = size
-                        found[:] = 0
-                    if size == best:
-                        found |= before[k] | after[m]
+                if into[m] > best or into[m] >= NEVER:
+                    continue
+                cost = out[k] + into[m] - _shared(before[k], after[m], costs)
+                if cost < best:
+                    best = cost
+                    found[:] = 0
+                if cost == best:
+                    found |= before[k] | after[m]
         if best == 0:
             break
-    return best, found
+    return best, _listed(found, len(costs))
 
 
 @njit(cache=True)
-def _close(index, barred, reachable, counted, sets, sizes, closed):  # type: ignore[no-untyped-def]
-    """Bits of the headings that can be made free, and in `closed` (K, W) what to take away."""
-    closed[:] = 0
-    open_ = reachable
-    for j in range(len(counted)):
-        bits = barred[j] & open_
-        if bits == 0 or not counted[j]:
-            continue
-        if j < sets.shape[0] and (
-            sizes[j] >= NEVER or (sets[j, index // WORD] >> (index % WORD)) & 1
-        ):
-            open_ &= ~bits
+def _weigh(barred, reachable, costs, sets, sums):  # type: ignore[no-untyped-def]
+    """For each heading, what bars it, as bits in `sets` (K, W), and its cost in `sums` (K,)."""
+    sets[:] = 0
+    for k in range(HEADINGS):
+        sums[k] = 0 if (reachable >> k) & 1 else NEVER
+    for j in range(len(costs)):
+        bits = barred[j] & reachable
+        if bits == 0 or costs[j] < 0:
             continue
         for k in range(HEADINGS):
             if (bits >> k) & 1:
-                closed[k, j // WORD] |= 1 << (j % WORD)
-                if j < sets.shape[0]:
-                    for w in range(sets.shape[1]):
-                        closed[k, w] |= sets[j, w]
-    return open_
+                sets[k, j // WORD] |= 1 << (j % WORD)
+                sums[k] = min(NEVER, sums[k] + 1 + costs[j])
 
 
 @njit(cache=True)
-def _bits(words):  # type: ignore[no-untyped-def]
-    """How many bits of some words are set."""
-    count = 0
-    for word in words:
-        while word:
-            word &= word - 1
-            count += 1
-    return count
+def _shared(a, b, costs):  # type: ignore[no-untyped-def]
+    """The cost of what is in both of two sets."""
+    total = 0
+    for w in range(len(a)):
+        both = a[w] & b[w]
+        j = w * WORD
+        while both:
+            if both & 1:
+                total += 1 + costs[j]
+            both >>= 1
+            j += 1
+    return total
+
+
+@njit(cache=True)
+def _listed(words, n):  # type: ignore[no-untyped-def]
+    """Which objects are in a set (n,)."""
+    found = np.zeros(n, dtype=np.bool_)
+    for j in range(n):
+        found[j] = (words[j // WORD] >> (j % WORD)) & 1
+    return found
+
+
+@njit(cache=True)
+def all_to_clear(chosen, barred, counts, costs):  # type: ignore[no-untyped-def]
+    """Some objects (n,), what bars the cheapest ways to them, and so on: (n,)."""
+    families, n, _ = barred.shape
+    found = chosen.copy()
+    todo = [j for j in range(n) if found[j]]
+    while len(todo) > 0:
+        i = todo.pop()
+        if costs[i] == 0 or costs[i] >= NEVER:
+            continue
+        for f in range(families):
+            sums = np.zeros(HEADINGS, dtype=np.int64)
+            for j in range(n):
+                for k in range(HEADINGS):
+                    if (barred[f, i, j] >> k) & 1 and costs[j] >= 0:
+                        sums[k] = min(NEVER, sums[k] + 1 + costs[j])
+            for k in range(HEADINGS):
+                if counts[f, i, k] >= UNREACHABLE or min(sums[k], MOST) != costs[i]:
+                    continue
+                for j in range(n):
+                    if (barred[f, i, j] >> k) & 1 and costs[j] >= 0 and not found[j]:
+                        found[j] = True
+                        todo.append(j)
+    return found

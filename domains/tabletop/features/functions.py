@@ -23,17 +23,29 @@ CACHED_OBJECTS = 12_000
 """As many arrangements are remembered as hold so many objects together, and not less than ..."""
 
 MIN_CACHED = 48
+SAME = 16
+"""Tuples of placements that are known by themselves, without a look at what is in them."""
+
 LOOK_BACK = 12
 """Arrangements that are looked through for one that differs in one object only."""
 
 
 def arrangement(world: TabletopWorld, placements: Placements) -> Arrangement:
     """The geometry of an arrangement, from memory where it is known."""
+    # Hashing the places of many objects takes its time: first whether it is the very same tuple.
+    same = world.memory.table("arrangements of tuples")
+    kept, found = same.get(id(placements), (None, None))
+    if kept is placements:
+        return found  # type: ignore[no-any-return]
+    found = _remembered(world, placements)
+    same[id(placements)] = placements, found  # keeps the tuple, so that its id is not used again
+    if len(same) > SAME:
+        same.popitem(last=False)
+    return found
+
+
+def _remembered(world: TabletopWorld, placements: Placements) -> Arrangement:
     known = world.memory.table("arrangements")
-    if known:  # hashing the places of many objects takes its time
-        latest = next(reversed(known.values()))
-        if latest.placements is placements:
-            return latest  # type: ignore[no-any-return]
     found = known.get(placements)
     if found is None:
         origin = _origin(known.values(), placements)
@@ -77,8 +89,8 @@ def misplaced(state: State) -> frozenset[int]:
 
 
 def obstructions(state: State, index: int) -> int:
-    """alpha of an object: fewest objects to be taken away before it can be picked up and put
-    at its goal with the same grasp (0 for an object without a goal)."""
+    """alpha of an object: what is to be taken away before it can be picked up and put at its
+    goal with the same grasp (0 for an object without a goal)."""
     here = arrangement(state.world, state.placements)
     goal = state.world.goal_sites(index, here)
     if goal is None:
@@ -129,14 +141,19 @@ def _disturbances(state: State, index: int, here: Arrangement) -> int:
     if goal is None:
         return 0
     others = misplaced(state)
-    without = _without(state, index)
     owner = state.world.grounds[goal.support].owner
     if owner is not None and not here.present[owner]:
         # What it is to stand on is in the hand: on its way to its goal, or not.
         return int(owner in others)
+    settled = owner is None and all(other in state.world.goals for other in others)
+    if settled and 0 in _faces(state, index, goal):
+        # No goal depends on where things are: what is certain need not be looked at without it.
+        standing = [other for other in others if other != index and here.present[other]]
+        if here.has_harmless_site(index, goal, standing):
+            return 0
     fewest = len(others)
     for placement in goal_placements(state, index) or goal.placements:
-        fewest = min(fewest, without.disturbed_by(index, placement, others))
+        fewest = min(fewest, _without(state, index).disturbed_by(index, placement, others))
         if fewest == 0:
             break
     return fewest

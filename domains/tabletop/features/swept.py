@@ -30,7 +30,7 @@ SIN = np.sin(np.arange(HEADINGS) * STEP)
 PLAY = 0.002
 """Metres kept between objects that stand side by side."""
 
-UNREACHABLE = 1000
+UNREACHABLE = 1_000_000
 """Added to the count of a heading from which the arm cannot come at all."""
 
 LEVEL = 1e-3
