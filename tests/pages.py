@@ -2,7 +2,8 @@
 
 A block of a page is code by four spaces or by a fence. What is done with it:
 
-- a fence with a language and a file name (```` ```toml desk.toml ````) is that file;
+- a fence with a language and a file name (```` ```toml desk.toml ````) is that file, written when
+  its turn comes;
 - a block whose first line begins with `$ `, or with a word of `PROGRAMS`, is commands for a shell.
   Below a command with `$ `, its output is shown; `...` stands for any lines, and numbers are not
   compared: times differ, and plans get better;
@@ -35,6 +36,14 @@ END = "@@ended"
 
 
 @dataclass
+class File:
+    """A file of a page."""
+
+    name: str
+    text: str
+
+
+@dataclass
 class Command:
     """A command of a page: its text, the number of its line, and the lines that are shown as
     its output (None: none are)."""
@@ -46,11 +55,15 @@ class Command:
 
 @dataclass
 class Page:
-    """What of a page can be executed: files by name, and commands, both as they come."""
+    """What of a page can be executed: files and commands, as they come."""
 
     name: str
-    files: dict[str, str] = field(default_factory=dict)
-    commands: list[Command] = field(default_factory=list)
+    steps: list[File | Command] = field(default_factory=list)
+
+    @property
+    def commands(self) -> list[Command]:
+        """The commands alone."""
+        return [step for step in self.steps if isinstance(step, Command)]
 
 
 def read_page(path: Path) -> Page:
@@ -60,10 +73,9 @@ def read_page(path: Path) -> Page:
         if skipped:
             continue
         if name is not None:
-            assert name not in page.files, f"{path.name}:{line}: {name} is there already"
-            page.files[name] = text
+            page.steps.append(File(name, text))
         elif info in (None, "console", "sh") and text.startswith(("$ ", *PROGRAMS)):
-            page.commands += _commands(text, line)
+            page.steps += _commands(text, line)
     return page
 
 
@@ -132,20 +144,22 @@ def run_page(path: Path, folder: Path, replace: Mapping[str, str] | None = None)
     """
     page = read_page(path)
     assert page.commands, f"{page.name} has no commands"
-    for name, text in page.files.items():
-        target = folder / name
-        assert folder in target.resolve().parents
-        target.parent.mkdir(parents=True, exist_ok=True)
-        target.write_text(text, encoding="utf-8")
-    script = "\n".join(
-        # The status is there for `echo $?` all the same.
-        f"{_replaced(each.text, replace)}\nstatus=$?; echo; echo {END} $status; (exit $status)"
-        for each in page.commands
-    )
+    programs = _programs(folder)
+    lines = []
+    for number, step in enumerate(page.steps):
+        if isinstance(step, File):
+            kept, target = programs / f"file{number}", folder / step.name
+            assert folder in target.resolve().parents
+            kept.write_text(step.text, encoding="utf-8")
+            lines.append(f"mkdir -p '{target.parent}' && cp '{kept}' '{target}'")
+        else:
+            # The status is there for `echo $?` all the same.
+            lines.append(_replaced(step.text, replace))
+            lines.append(f"status=$?; echo; echo {END} $status; (exit $status)")
     done = subprocess.run(
-        ["bash", "-c", script],
+        ["bash", "-c", "\n".join(lines)],
         cwd=folder,
-        env={**os.environ, "PATH": f"{_programs(folder)}:{os.environ['PATH']}", "NO_COLOR": "1"},
+        env={**os.environ, "PATH": f"{programs}:{os.environ['PATH']}", "NO_COLOR": "1"},
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         stdin=subprocess.DEVNULL,

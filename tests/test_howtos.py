@@ -45,6 +45,13 @@ three words here
 
     $ cat note.txt
     three words here
+
+```text note.txt
+four
+```
+
+    $ cat note.txt
+    four
     $ python - <<'END'
     print("in 0.7 s, 4 times")
     print("other")

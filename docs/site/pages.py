@@ -200,7 +200,8 @@ def _documented(title: str, thing: object, level: str) -> list[str]:
 
 
 def gallery(folder: Path) -> str:
-    """A page with a picture of each built-in scene, drawn by `sketchlang show`."""
+    """A page with a picture of each built-in scene, drawn by `sketchlang show`, and a replay of
+    its plan. `folder` is for the pictures."""
     from click.testing import CliRunner
 
     from sketchlang.cli import cli
@@ -216,4 +217,18 @@ def gallery(folder: Path) -> str:
         drawn = CliRunner().invoke(cli, words)
         if drawn.exit_code == 0 and picture.exists():
             parts += [f"## {name}", "", f"![{name}](images/scenes/{picture.name})", ""]
+            parts += [_replayed(name, folder / f"{picture.stem}.html"), ""]
     return "\n".join(parts)
+
+
+def _replayed(scene: str, out: Path) -> str:
+    """A line about the plan of a scene, with a link to its replay."""
+    import sketchlang
+
+    done = sketchlang.plan("pick_and_place", scene, seed=0)
+    if not done.solved:
+        return f"`pick_and_place` does not solve it with seed 0: {done.reason}"
+    done.plan.replay(out)
+    subplans, seconds = done.report["subplans"], done.plan.execution_time
+    link = f"[Watch the plan](images/scenes/{out.name})"
+    return f"{link} of `pick_and_place`: {subplans} subplans, {seconds:.0f} s to execute."

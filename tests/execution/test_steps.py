@@ -12,6 +12,7 @@ from click.testing import CliRunner
 
 from domains.tabletop.scene.worlds import find_world
 from runtime.export.as_json import steps_to_json
+from runtime.export.goals import joint_track
 from runtime.export.messages import track_of
 from runtime.export.moveit import moveit
 from runtime.export.steps import steps_of
@@ -357,3 +358,18 @@ def test_controllers_that_do_not_fit_are_found() -> None:
     found = [(name, message) for name, message, _ in misfits(those, ["j1", "j2"])]
     assert [name for name, _ in found] == ["b", "b", "d"]
     assert "j9" in found[1][1]
+
+
+def test_fingers_that_turn_follow_the_opening(trace) -> None:
+    """Their values are no cubic where the opening is one: knots in between make up for it."""
+    openings = np.linspace(0.0, trace.robot.max_opening, 33)
+    turned = np.arcsin(np.clip(openings / 0.1, -1, 1))
+    robot = replace(
+        trace.robot, openings=openings, finger_table=np.stack([turned, -turned], axis=1)
+    )
+    turning = replace(trace, robot=robot)
+    times = np.linspace(0.0, trace.duration, 20_000)
+    wanted = robot.finger_values(trace.opening.at(times)[0][:, 0])[:, 0]
+    found = joint_track(turning, robot.fingers[0]).at(times)[0][:, 0]
+    # Radians; fingers are some 5 cm long.
+    assert found == pytest.approx(wanted, abs=5e-4)
