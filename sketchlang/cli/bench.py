@@ -9,6 +9,7 @@ from typing import Any
 import click
 
 from sketchlang import reading
+from sketchlang.cli import names
 from sketchlang.cli.common import Number, fail, interruptible, say
 
 
@@ -26,12 +27,24 @@ Run the same command again after an interruption: finished runs are not repeated
 @click.option(
     "--seeds", type=click.IntRange(1, 10_000), help="Runs of each; 10, and 3 for scaling."
 )
-@click.option("--planner", "planners", multiple=True, help="Only these planners.")
-@click.option("--scene", "scenes", multiple=True, help="Only these scenes.")
+@click.option(
+    "--planner",
+    "planners",
+    multiple=True,
+    shell_complete=names.planners,
+    help="Only these planners.",
+)
+@click.option(
+    "--scene", "scenes", multiple=True, shell_complete=names.scenes, help="Only these scenes."
+)
 @click.option(
     "--tasks", type=click.Path(path_type=Path), help="ipc: a folder with folders of PDDL tasks."
 )
-@click.option("--sketch", help="ipc: this one for all tasks; else the built-in one of the domain.")
+@click.option(
+    "--sketch",
+    shell_complete=names.sketches,
+    help="ipc: this one for all tasks; else the built-in one of the domain.",
+)
 @click.option("--jobs", type=click.IntRange(1, 256), help="Processes; as many as there are cores.")
 @click.option(
     "--timeout",

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from sketchlang.cli import names
 from sketchlang.cli.common import domain_option, fail, interruptible, load_valid, say
 
 if TYPE_CHECKING:
@@ -15,8 +16,8 @@ if TYPE_CHECKING:
 
 
 @click.command("compare")
-@click.argument("first", metavar="A")
-@click.argument("second", metavar="B")
+@click.argument("first", metavar="A", shell_complete=names.sketches)
+@click.argument("second", metavar="B", shell_complete=names.sketches)
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 @domain_option
 @interruptible

@@ -23,8 +23,9 @@ HOME = Path(__file__).resolve().parents[2]
 def _completer(names: Callable[[], Iterable[str]], files: bool = True) -> Completer:
     def complete(_c: click.Context, _p: click.Parameter, begun: str) -> list[CompletionItem]:
         found = [CompletionItem(name) for name in names() if name.startswith(begun)]
-        # The shell itself adds the files that begin like this.
-        return [*found, CompletionItem(begun, type="file")] if files else found
+        # The shell itself adds the files that begin like this. First, since bash forgets what
+        # came before it.
+        return [CompletionItem(begun, type="file"), *found] if files else found
 
     return complete
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from sketchlang.cli import names
 from sketchlang.cli.common import fail, interruptible, say
 
 if TYPE_CHECKING:
@@ -103,7 +104,7 @@ def import_(
 
 
 @command.command("check")
-@click.argument("file", type=click.Path(path_type=Path))
+@click.argument("file", type=click.Path(path_type=Path), shell_complete=names.robots)
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else.")
 @interruptible
 def check(file: Path, as_json: bool) -> None:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from sketchlang.cli import names
 from sketchlang.cli.common import Number, domain_option, fail, interruptible, load_valid, say
 
 if TYPE_CHECKING:
@@ -20,12 +21,13 @@ FORMAT = "sketchlang-test-finding"
 
 
 @click.command("test")
-@click.argument("sketch", metavar="SKETCH")
+@click.argument("sketch", metavar="SKETCH", shell_complete=names.sketches)
 @click.option(
     "--scenes",
     "scenes",
     metavar="SCENE",
     multiple=True,
+    shell_complete=names.scenes,
     help="A scene, by name or path; may be given more than once [default: the domain's own].",
 )
 @click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True)

@@ -41,6 +41,7 @@ Examples:
 @click.option(
     "--sketch",
     metavar="SKETCH",
+    shell_complete=names.sketches,
     help="Also check that the plan is a run of this sketch: its features, rules and goal.",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else.")

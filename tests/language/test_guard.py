@@ -80,8 +80,8 @@ def test_shells_complete_what_comes_along(tmp_path: Path) -> None:
     assert [f"plain,{name}" for name in COMMANDS] == commands
     sketches = completions(tmp_path, "check", "pick")
     assert sketches == [
-        *[f"plain,{name}" for name in builtin_sketches() if name.startswith("pick")],
         "file,pick",
+        *[f"plain,{name}" for name in builtin_sketches() if name.startswith("pick")],
     ]
     scenes = completions(tmp_path, "run", "pick_and_place", "sorting/")
     assert f"plain,{built_in_scenes()[-1]}" in completions(tmp_path, "run", "pick_and_place", "w")
