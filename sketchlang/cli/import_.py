@@ -8,6 +8,7 @@ from types import ModuleType
 
 import click
 
+from sketchlang.cli import names
 from sketchlang.cli.common import check_outputs, fail, interruptible, say
 
 READ = click.Path(path_type=Path)
@@ -72,7 +73,10 @@ Examples:
 @click.argument("pddl", type=READ)
 @click.option("--out", type=WRITTEN, required=True, metavar="SCENE.toml", help="The scene file.")
 @click.option(
-    "--robot", metavar="NAME|FILE", help="Tried with the scene: what it cannot do is said."
+    "--robot",
+    metavar="NAME|FILE",
+    shell_complete=names.robots,
+    help="Tried with the scene: what it cannot do is said.",
 )
 @click.option(
     "--separate-overlaps",
