@@ -49,11 +49,10 @@ def planned(scene_name: str, seed: int) -> Trace:
     scene, robot = load_scene(path, name), load_robot(DEFAULT_ROBOT)
     world = TabletopWorld.of(scene, robot)
     compiled = compile_sketch(load_sketch(SKETCH).checked)
-    outcome = lazy_siiw_r(
-        compiled, TabletopProblem(world, seed), Limits(timeout=300.0), np.random.default_rng(seed)
-    )
+    problem = TabletopProblem(world, seed)
+    outcome = lazy_siiw_r(compiled, problem, Limits(timeout=300.0), np.random.default_rng(seed))
     assert outcome.solved, f"{scene_name}, seed {seed}: {outcome.reason}"
-    plan: Plan = document(world, compiled.model, outcome, "lazy-siiw-r", seed)
+    plan: Plan = document(world, compiled.model, outcome, "lazy-siiw-r", seed, problem.executor)
     return trace_of_plan(plan, scene.world, robot, load_trace_sketch(SKETCH))
 
 

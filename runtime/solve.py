@@ -86,6 +86,7 @@ class Task:
             if not outcome.solved:
                 self.explain(outcome, limits)
         document = self.reporting.document(self.sketch.model, outcome, planner, self.seed)
+        outcome.seconds = limits.elapsed()  # motions are put together in time: that is planning
         return Result(self, planner, outcome, document)
 
     def explain(self, outcome: Outcome, limits: Limits) -> None:

@@ -14,9 +14,11 @@ from hypothesis import settings
 
 from domains.tabletop.scene.load import load_scene
 from domains.tabletop.scene.model import Scene
+from runtime.plan.write import write_plan
 from runtime.robot.load import load_robot
 from runtime.robot.model import RobotModel
 from sketchlang.library import find_scene
+from tests.runtime.plans import in_turn
 
 # Time is measured by benchmarks: tests run on machines that are busy with other things.
 settings.register_profile("no deadline", deadline=None)
@@ -47,6 +49,21 @@ def plan_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     done = sketchlang("run", "pick_and_place", "sorting/3t-02", "--seed", "0", "--out", str(path))
     assert done.returncode == 0, done.stderr
     return path
+
+
+@pytest.fixture(scope="session")
+def plain_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A plan of `sorting/3t-02` that does one thing after the other."""
+    path = tmp_path_factory.mktemp("plans") / "plan.json"
+    write_plan(in_turn("sorting/3t-02", 0), path)
+    return path
+
+
+@pytest.fixture
+def plain_data(plain_file: Path) -> dict[str, Any]:
+    """The same plan as plain data, to be changed at will."""
+    data: dict[str, Any] = json.loads(plain_file.read_text())
+    return data
 
 
 @pytest.fixture

@@ -92,7 +92,9 @@ class TabletopReporting:
     ) -> TabletopDocument:
         """The plan of an outcome, as far as it came."""
         world = self.problem.world
-        return TabletopDocument(world, document(world, model, outcome, planner, seed))
+        return TabletopDocument(
+            world, document(world, model, outcome, planner, seed, self.problem.executor)
+        )
 
     def picture(self, state: State) -> Picture:
         """A state seen from above."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from domains.tabletop.actions.executability import Executor
+from domains.tabletop.actions.schedule import Step, scheduled
 from domains.tabletop.features import functions
 from domains.tabletop.sampling.samples import Sampler
 from domains.tabletop.scene.boxes import scene_of_boxes, standing_box
@@ -23,6 +24,7 @@ from runtime.kernels.boxes import within_reach
 from runtime.kernels.convex import boxes_only
 from runtime.motion import rrt
 from runtime.motion.arm_context import ArmContext
+from runtime.motion.drives import drives
 from runtime.robot.model import RobotModel
 from runtime.search.problem import Rejection
 from runtime.search.profile import Profile
@@ -45,11 +47,16 @@ def warm_up(robot: RobotModel) -> None:
         functions.disturbances(state, index)
     here = functions.arrangement(world, state.placements)
     here.in_the_way(0, here.world.goals[0])
+    steps: list[Step] = []
     for _ in range(2):
         samples = sampler.sample(state, 0, rng)
         found = _first(TabletopSubproblem(samples, executor, SEEDS), state)
-        if found is not None:
-            state = found
+        if found:
+            steps += found
+            state = found[-1].after
+    list(scheduled(executor, steps))
+    start, goal = (0.0, 0.0, 0.0), (0.5, 0.3, 1.0)
+    drives(robot, start, goal, np.array([start, goal]), True, world.statics, world.roads.clearance)
     # What only some scenes ask: lanes where the base cannot turn, and solids that are no boxes.
     body = robot.body(0.05)
     placed = np.zeros((len(body.frame), 3, 4))
@@ -61,17 +68,19 @@ def warm_up(robot: RobotModel) -> None:
         rrt.shorten(context, np.vstack([path, path[::-1], path]), rng)
 
 
-def _first(subproblem: TabletopSubproblem, state: State) -> State | None:
-    """The state after the first move and the first manipulation that are executable."""
+def _first(subproblem: TabletopSubproblem, state: State) -> list[Step]:
+    """The first move and the first manipulation that are executable; none where none are."""
     for action, after in subproblem.actions(state):
-        if isinstance(subproblem.execute(state, action), Rejection):
+        motion = subproblem.execute(state, action)
+        if isinstance(motion, Rejection):
             continue
         for second, end in subproblem.actions(after):
             if end.held == after.held:
                 continue
-            if not isinstance(subproblem.execute(after, second), Rejection):
-                return end
-    return None
+            found = subproblem.execute(after, second)
+            if not isinstance(found, Rejection):
+                return [Step(action, motion, state, after), Step(second, found, after, end)]
+    return []
 
 
 def _scene() -> Scene:

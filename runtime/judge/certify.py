@@ -32,7 +32,7 @@ def certify(plan: Plan, world: World, robot: RobotModel, watch: Watch | None = N
             break  # the replay would go on from a state that the plan does not mean
         if watch is not None:
             watch(number, replay)
-    else:
+    if not replay.findings and replay.rest():
         replay.findings += [Finding(None, message) for message in _end_faults(replay)]
     return Certificate(tuple(replay.findings), replay.samples, len(plan.actions))
 

@@ -19,7 +19,16 @@ from runtime.judge.grip import grip_fault, load_fault
 from runtime.judge.limits import arm_fault, base_fault, finger_fault
 from runtime.judge.skeleton import Skeleton
 from runtime.judge.stability import falls, fault_of_rest
-from runtime.motion.motion import ArmMove, Attach, BaseMove, Carried, GripperMove, Release
+from runtime.judge.together import Underway
+from runtime.motion.motion import (
+    ArmMove,
+    Attach,
+    BaseMove,
+    Carried,
+    GripperMove,
+    Release,
+    Together,
+)
 from runtime.plan.model import PlanAction, TimedPiece
 from runtime.robot.model import RobotModel
 from runtime.world.poses import Floats
@@ -67,6 +76,7 @@ class Replay:
         self.samples = 0
         self.findings: list[Finding] = []
         self._number = 0
+        self._motion = Underway()
         self._up = np.array([0.0, 0.0, 1.0])  # the vertical in the frame of what is held
         self._known: dict[str, tuple[Floats, list[Track]]] = {}
 
@@ -74,11 +84,15 @@ class Replay:
         """Carry out an action, up to the first thing that is wrong with it."""
         self._number = number
         for timed in action.pieces:
+            if not isinstance(timed.piece, Together) and not self.rest():
+                return
             match timed.piece:
                 case BaseMove(poses, along):
                     done = self._drive(poses, along, timed)
                 case ArmMove(path, _, along):
                     done = self._reach(path, along, timed)
+                case Together() as piece:
+                    done = self._together(piece, timed.times)
                 case GripperMove() as piece:
                     done = self._gripper(piece, float(timed.times[-1]))
             if not done:
@@ -120,8 +134,46 @@ class Replay:
         self.q = path[-1].copy()
         return done
 
-    def _travel(self, base: Floats, q: Floats, along: Sequence[Carried], counts: list[int]) -> bool:
-        links = self.skeleton.transforms(base, q, self.opening)
+    def _together(self, piece: Together, times: Floats) -> bool:
+        """Base, arm and fingers at once. Limits are tested when the robot comes to rest: only
+        then is it known what is one motion."""
+        rows = np.hstack([piece.poses, piece.path, piece.openings[:, None]])
+        if piece.path.shape[1] != len(self.robot.joints):
+            found = piece.path.shape[1]
+            return self._find(f"{found} joint values for {len(self.robot.joints)} joints")
+        jump = np.abs(rows[0] - [*self.base, *self.q, self.opening])
+        turns = round(float(self.base[2] - rows[0, 2]) / (2 * math.pi))
+        rows[:, 2] += 2 * math.pi * turns
+        jump[2] = abs(wrap(rows[0, 2] - self.base[2]))
+        if jump.max() > JOIN:
+            return self._find(f"the robot jumps by {jump.max():.4f} (m or rad) between two motions")
+        if self.held is not None and np.ptp(rows[:, -1]) > JOIN:
+            return self._find("the gripper moves while it holds an object")
+        self._motion.add(self._number, rows, times)
+        step = np.full(rows.shape[1], JOINT_STEP)
+        step[:3], step[-1] = BASE_STEP, FINGER_STEP
+        dense, counts = _dense(rows, step)
+        done = self._travel(dense[:, :3], dense[:, 3:-1], (), counts, dense[:, -1])
+        self.base, self.q, self.opening = rows[-1, :3], rows[-1, 3:-1], float(rows[-1, -1])
+        return done
+
+    def rest(self) -> bool:
+        """Test the limits of a motion that has come to its end; whether nothing is wrong."""
+        fault = self._motion.fault(self.robot)
+        self._motion = Underway()
+        if fault is not None:
+            self.findings.append(Finding(*fault))
+        return fault is None
+
+    def _travel(
+        self,
+        base: Floats,
+        q: Floats,
+        along: Sequence[Carried],
+        counts: list[int],
+        opening: Floats | None = None,
+    ) -> bool:
+        links = self.skeleton.transforms(base, q, self.opening if opening is None else opening)
         guided: dict[str, list[Track]] = {}
         for carried in along:
             tracks = self._guided(carried.body, dense_poses(carried.poses, counts), links)

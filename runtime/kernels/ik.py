@@ -84,9 +84,11 @@ def _solve_spd(a, b):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def solve(origins, prismatic, lower, upper, tool, target, q, iterations):  # type: ignore[no-untyped-def]
+def solve(origins, prismatic, lower, upper, tool, target, q, iterations, ease):  # type: ignore[no-untyped-def]
     """Move q (n,), in place, until the tool (3, 4 in the last frame) is at the target.
 
+    Of all steps that bring it there, the one with the least sum of squares of each joint's part
+    over its `ease` (n,) is taken: with speeds for eases, the least time (weighted least squares).
     Returns whether it got there. Joint limits hold at every step: a joint that would
     leave its range stops at the limit and takes no part in that step.
     """
@@ -119,7 +121,7 @@ def solve(origins, prismatic, lower, upper, tool, target, q, iterations):  # typ
                     total = 0.0
                     for k in range(n):
                         if free[k]:
-                            total += jac[i, k] * jac[j, k]
+                            total += ease[k] * ease[k] * jac[i, k] * jac[j, k]
                     gram[i, j] = total
                     gram[j, i] = total
                 gram[i, i] += damping
@@ -131,7 +133,7 @@ def solve(origins, prismatic, lower, upper, tool, target, q, iterations):  # typ
                     continue
                 dq = 0.0
                 for i in range(6):
-                    dq += jac[i, k] * step[i]
+                    dq += ease[k] * ease[k] * jac[i, k] * step[i]
                 # A joint at its limit that is pushed outwards is frozen, once.
                 outwards = (q[k] <= lower[k] and dq < 0.0) or (q[k] >= upper[k] and dq > 0.0)
                 if attempt == 0 and outwards:
@@ -143,7 +145,7 @@ def solve(origins, prismatic, lower, upper, tool, target, q, iterations):  # typ
             if free[k]:
                 dq = 0.0
                 for i in range(6):
-                    dq += jac[i, k] * step[i]
+                    dq += ease[k] * ease[k] * jac[i, k] * step[i]
                 dq = min(MAX_STEP, max(-MAX_STEP, dq))
                 q[k] = min(upper[k], max(lower[k], q[k] + dq))
     return False
@@ -151,7 +153,7 @@ def solve(origins, prismatic, lower, upper, tool, target, q, iterations):  # typ
 
 @njit(cache=True)
 def first_free(  # type: ignore[no-untyped-def]
-    chain, lower, upper, tool, target, seeds, first, iterations, body, obstacles, margin
+    chain, lower, upper, tool, target, seeds, first, iterations, ease, body, obstacles, margin
 ):
     """Solve from the seeds (s, n), in place, from number `first` on, until a solution is free
     of collision: its number, or -1. All seeds in one call: most of them fail."""
@@ -159,7 +161,7 @@ def first_free(  # type: ignore[no-untyped-def]
     placed = np.empty((body.frame.shape[0], 3, 4))
     for i in range(first, seeds.shape[0]):
         if solve(
-            chain.origins, chain.prismatic, lower, upper, tool, target, seeds[i], iterations
+            chain.origins, chain.prismatic, lower, upper, tool, target, seeds[i], iterations, ease
         ) and not collides(chain, body, obstacles, margin, seeds[i], frames, placed):
             return i
     return -1

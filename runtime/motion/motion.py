@@ -68,5 +68,16 @@ class GripperMove:
     release: Release | None = None
 
 
+@dataclass(frozen=True, eq=False)
+class Together:
+    """Base, arm and fingers at once: base poses (k, 3), configurations (k, n) and openings (k,)
+    of the gripper, way points close in time with straight lines in between. The robot need not
+    rest where one of these ends and the next begins."""
+
+    poses: Floats
+    path: Floats
+    openings: Floats
+
+
 Piece = BaseMove | ArmMove | GripperMove
 Motion = tuple[Piece, ...]

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from runtime.motion.motion import Piece
+from runtime.motion.motion import Piece, Together
 from runtime.world.poses import Floats
 
 
@@ -14,7 +14,7 @@ from runtime.world.poses import Floats
 class TimedPiece:
     """A piece of a motion and the seconds at its way points (k,), from its own start."""
 
-    piece: Piece
+    piece: Piece | Together
     times: Floats
 
 

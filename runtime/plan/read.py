@@ -5,7 +5,16 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from runtime.motion.motion import ArmMove, Attach, BaseMove, Carried, GripperMove, Piece, Release
+from runtime.motion.motion import (
+    ArmMove,
+    Attach,
+    BaseMove,
+    Carried,
+    GripperMove,
+    Piece,
+    Release,
+    Together,
+)
 from runtime.plan.fields import base_poses_of, times_of
 from runtime.plan.model import Failure, Plan, PlanAction, PlanSubgoal, TimedPiece
 from runtime.plan.node import LONGEST, Node, index_of, name_of, one_pose_of, poses_of, read_json
@@ -14,7 +23,7 @@ from runtime.plan.write import FORMAT, VERSION
 
 
 def read_plan(path: Path) -> Plan:
-    """Read a plan file of version 1 or 2.
+    """Read a plan file of version 1, 2 or 3.
 
     Raises:
         InputError: what is wrong with the file, and where.
@@ -31,14 +40,14 @@ def plan_of(data: Node) -> Plan:
     )
     scene, robot = data["scene"], data["robot"]
     scene.only("name", "digest")
-    robot.only("name", "digest", *(["joints"] if version == VERSION else []))
-    joints = tuple(_names(robot["joints"])) if version == VERSION else ()
+    robot.only("name", "digest", *(["joints"] if version > 1 else []))
+    joints = tuple(_names(robot["joints"])) if version > 1 else ()
     objects = _names(data["objects"])
     start = data["base_start"].numbers((3,))
     subgoals = tuple(_subgoal(node) for node in data["subgoals"].each())
     actions = tuple(
-        _action(node, objects, joints, len(subgoals))
-        if version == VERSION
+        _action(node, objects, joints, len(subgoals), version)
+        if version > 1
         else action_of_version_1(node, objects, len(subgoals))
         for node in data["actions"].each()
     )
@@ -71,7 +80,7 @@ def _version(data: Node) -> int:
             hint = "a plan of a classical domain has no motions to certify"
         raise data["format"].fail(f"this is not a plan file ({FORMAT})", hint)
     version = data["version"].whole()
-    if version not in {1, VERSION}:
+    if version not in range(1, VERSION + 1):
         age = "an older" if version < 1 else "a newer"
         raise data["version"].fail(
             f"the plan is of version {version}, this is a reader of versions 1 to {VERSION}",
@@ -116,7 +125,9 @@ def _subgoal(node: Node) -> PlanSubgoal:
     )
 
 
-def _action(node: Node, objects: list[str], joints: tuple[str, ...], subgoals: int) -> PlanAction:
+def _action(
+    node: Node, objects: list[str], joints: tuple[str, ...], subgoals: int, version: int
+) -> PlanAction:
     node.only("name", "text", "subgoal", "arguments", "pieces", "values")
     arguments: dict[str, Any] = {key: value.value for key, value in node["arguments"].items()}
     values = node.get("values")
@@ -124,17 +135,23 @@ def _action(node: Node, objects: list[str], joints: tuple[str, ...], subgoals: i
         node["name"].text(),
         node["text"].text(),
         index_of(node["subgoal"], subgoals, "subgoal"),
-        tuple(_piece(entry, objects, len(joints)) for entry in node["pieces"].each()),
+        tuple(_piece(entry, objects, len(joints), version) for entry in node["pieces"].each()),
         arguments,
         None if values is None else {name: value.whole() for name, value in values.items()},
     )
 
 
-def _piece(node: Node, objects: list[str], joints: int) -> TimedPiece:
-    kind = node["type"].choice("base", "arm", "gripper")
+def _piece(node: Node, objects: list[str], joints: int, version: int) -> TimedPiece:
+    newer = ["together"] if version > 2 else []
+    kind = node["type"].choice("base", "arm", "gripper", *newer)
     times = times_of(node)
-    piece: Piece
-    if kind == "base":
+    piece: Piece | Together
+    if kind == "together":
+        node.only("type", "times", "poses", "path", "openings")
+        count = len(times)
+        path, openings = node["path"].numbers((count, joints)), node["openings"].numbers((count,))
+        piece = Together(base_poses_of(node, count), path, openings)
+    elif kind == "base":
         node.only("type", "times", "poses", "along")
         piece = BaseMove(base_poses_of(node, len(times)), _along(node, len(times)))
     elif kind == "arm":

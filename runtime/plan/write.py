@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from runtime.motion.motion import ArmMove, BaseMove, Carried, GripperMove
+from runtime.motion.motion import ArmMove, BaseMove, Carried, GripperMove, Together
 from runtime.plan.model import Failure, Plan, PlanAction, TimedPiece
 from runtime.world.poses import Floats
 from sketchlang.files import write_text
 
 FORMAT = "sketchlang-plan"
-VERSION = 2
+VERSION = 3
 
 
 def write_plan(plan: Plan, path: Path) -> None:
@@ -90,6 +90,14 @@ def _piece(timed: TimedPiece) -> dict[str, Any]:
         case ArmMove(path, kind, along):
             data = {"type": "arm", "kind": kind, "times": times, "path": _rounded(path)}
             return data | _along(along)
+        case Together(poses, path, openings):
+            return {
+                "type": "together",
+                "times": times,
+                "poses": _rounded(poses),
+                "path": _rounded(path),
+                "openings": _rounded(openings),
+            }
         case GripperMove(opening, attach, release):
             grip: dict[str, Any] = {"type": "gripper", "times": times, "opening": round(opening, 6)}
             if attach is not None:

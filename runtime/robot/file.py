@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from runtime.robot.controllers import Controller, read_controllers
-from runtime.robot.model import MobileBase
+from runtime.robot.model import JERK, MobileBase
 from runtime.robot.urdf import Urdf, read_urdf
 from runtime.tables import Table, read_toml
 from runtime.world.poses import Pose, rotation_from_rpy
@@ -55,6 +55,7 @@ class RobotFile:
     tool_link: str
     joints: tuple[str, ...] | None
     acceleration: tuple[float, ...]
+    jerk: tuple[float, ...]
     home: tuple[float, ...]
     ignored: tuple[tuple[str, str], ...]
     fixed: dict[str, float]
@@ -92,6 +93,7 @@ def read_robot_file(path: Path) -> RobotFile:
     height = base.number("height", 0.0)
     if height:
         urdf = urdf.raised(urdf.free_name(FLOOR_LINK), height)
+    acceleration = tuple(table.numbers("acceleration"))
     file = RobotFile(
         place=str(path),
         name=table.text("name"),
@@ -99,7 +101,8 @@ def read_robot_file(path: Path) -> RobotFile:
         base_link=urdf.root,
         tool_link=tool_link,
         joints=tuple(table.texts("joints")) if table.has("joints") else None,
-        acceleration=tuple(table.numbers("acceleration")),
+        acceleration=acceleration,
+        jerk=tuple(table.numbers("jerk")) if table.has("jerk") else _usual(acceleration),
         home=tuple(table.numbers("home")),
         ignored=tuple(table.pairs("ignored_collisions")) if table.has("ignored_collisions") else (),
         fixed=table.table("fixed_joints", optional=True).all_numbers(),
@@ -113,6 +116,11 @@ def read_robot_file(path: Path) -> RobotFile:
     )
     table.finish()
     return file
+
+
+def _usual(acceleration: tuple[float, ...]) -> tuple[float, ...]:
+    """The jerks where a robot file gives none."""
+    return tuple(JERK * each for each in acceleration)
 
 
 def _digest(sources: list[Path], urdf: Urdf) -> str:
@@ -234,10 +242,13 @@ def _base(table: Table) -> MobileBase:
         raise table.error("type", f"there is no base {kind!r}", hint=f"known: {known}")
     if kind == "fixed":
         return MobileBase(0.0, 0.0, 0.0, 0.0, kind)
+    hardest = table.positive("acceleration"), table.positive("angular_acceleration")
     return MobileBase(
         table.positive("velocity"),
-        table.positive("acceleration"),
+        hardest[0],
         table.positive("angular_velocity"),
-        table.positive("angular_acceleration"),
+        hardest[1],
         kind,
+        table.positive("jerk", JERK * hardest[0]),
+        table.positive("angular_jerk", JERK * hardest[1]),
     )

@@ -84,6 +84,7 @@ def build_robot(file: RobotFile) -> RobotModel:
         upper=np.array([joint.upper for joint in joints]),
         velocity=np.array([joint.velocity for joint in joints]),
         acceleration=np.array(file.acceleration),
+        jerk=np.array(file.jerk),
         chain=Chain(folded.origins, np.array([j.type == "prismatic" for j in joints])),
         tool=tool,
         parts=parts,

@@ -47,6 +47,10 @@ class Body(NamedTuple):
     shapes: Shapes
 
 
+JERK = 20.0
+"""Where a robot file gives no jerk it is so many times the acceleration a second: full
+acceleration within a twentieth of a second."""
+
 HELD_EXTENT = 0.3
 """Metres from the tool frame to the farthest corner of a held object, at most."""
 
@@ -64,14 +68,16 @@ class PlacedShape:
 @dataclass(frozen=True)
 class MobileBase:
     """How the base moves: `"differential"` (turns and straight lines), `"holonomic"` (any
-    direction at any heading) or `"fixed"`; speed limits in m/s, m/s^2, rad/s, rad/s^2, all 0
-    for a fixed one."""
+    direction at any heading) or `"fixed"`; speed limits in m/s, m/s^2, rad/s, rad/s^2, m/s^3 and
+    rad/s^3, all 0 for a fixed one."""
 
     velocity: float
     acceleration: float
     angular_velocity: float
     angular_acceleration: float
     type: str = "differential"
+    jerk: float = 0.0
+    angular_jerk: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,6 +98,7 @@ class RobotModel:
     upper: Floats
     velocity: Floats
     acceleration: Floats
+    jerk: Floats
     chain: Chain
     tool: Pose
     parts: tuple[PlacedShape, ...]
@@ -173,6 +180,12 @@ class RobotModel:
         )
 
     @cached_property
+    def ease(self) -> Floats:
+        """How readily each joint (n,) moves: its speed, as a share of that of the fastest."""
+        eases: Floats = self.velocity / self.velocity.max()
+        return eases
+
+    @cached_property
     def sweep(self) -> Floats:
         """How far any point of a frame's parts, a held object included, moves at most for
         one unit (rad, m) of each planning joint, shape (n + 1, n); 0 for joints further out."""
@@ -183,7 +196,7 @@ class RobotModel:
         out = np.zeros((n + 1, n))
         for frame in range(1, n + 1):
             corners = [
-                self._reach_of(i, part) for i, part in enumerate(self.parts) if part.frame == frame
+                self.reach_of(i, part) for i, part in enumerate(self.parts) if part.frame == frame
             ]
             extent = max(corners, default=0.0)
             if frame == n:
@@ -197,7 +210,7 @@ class RobotModel:
                     out[frame, joint] = extent + float((lengths + extension)[between].sum())
         return out
 
-    def _reach_of(self, index: int, part: PlacedShape) -> float:
+    def reach_of(self, index: int, part: PlacedShape) -> float:
         """How far a part reaches from the origin of its frame; a finger at any opening."""
         places = [part.shape.pose]
         for finger in self.finger_parts:

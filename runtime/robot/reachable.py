@@ -149,7 +149,7 @@ class Prober:
             target = compose(frame, tool)
             found = ik.first_free(
                 robot.chain, robot.lower, robot.upper, robot.tool, target, starts, 0,
-                ITERATIONS, self.body, obstacles, MARGIN,
+                ITERATIONS, np.ones(len(robot.home)), self.body, obstacles, MARGIN,
             )  # fmt: skip
             if found >= 0:
                 return Posture(starts[found].copy(), frame, height)

@@ -90,7 +90,10 @@ def _joints(file: RobotFile) -> Iterator[Finding]:
                 file.place,
                 f"state them in [limits.{joint.name}]: lower, upper, velocity",
             )
-    for key, values in (("acceleration", file.acceleration), ("home", file.home)):
+    rows = {"acceleration": file.acceleration, "jerk": file.jerk, "home": file.home}
+    if len(file.jerk) == len(file.acceleration):  # the same is wrong with both
+        del rows["jerk"]
+    for key, values in rows.items():
         if len(values) != len(joints):
             yield Finding(
                 f"{key}-missing",

@@ -10,7 +10,7 @@ import numpy as np
 
 from runtime.angles import wrap
 from runtime.judge.footing import above
-from runtime.motion.motion import ArmMove, BaseMove, Carried, GripperMove
+from runtime.motion.motion import ArmMove, BaseMove, Carried, GripperMove, Together
 from runtime.motion.timing import FINGER_RAMP
 from runtime.plan.model import Plan, PlanAction, TimedPiece
 from runtime.robot.model import Floats, RobotModel
@@ -138,6 +138,7 @@ class _Maker:
         self.base = TrackBuilder(np.array(plan.base_start))
         self.joints = TrackBuilder(robot.home)
         self.opening = TrackBuilder(np.array([robot.max_opening]))
+        self.moving: list[tuple[Floats, Floats]] = []  # times and rows since the last rest
         self.grips: list[Grip] = []
         self.held: int | None = None
         self.group: list[int] = []  # what is held, and what stands on it
@@ -167,6 +168,7 @@ class _Maker:
                     action.values,
                 )
             )
+        self._come_to_rest()
         return Trace(
             source="plan",
             tool_version=self.plan.tool_version,
@@ -232,7 +234,11 @@ class _Maker:
 
     def _piece(self, timed: TimedPiece, where: str) -> None:
         marks = self.now + timed.times
+        if not isinstance(timed.piece, Together):
+            self._come_to_rest()
         match timed.piece:
+            case Together(poses, path, openings):
+                self._together(poses, path, openings, marks, where)
             case BaseMove(poses, along):
                 self._drive(poses, marks, where)
                 self._move_along(along, marks, where)
@@ -275,6 +281,40 @@ class _Maker:
             )
         self._join(np.abs(path[0] - self.joints.value), where)
         self.joints.through(path, marks)
+
+    def _together(
+        self, poses: Floats, path: Floats, openings: Floats, marks: Floats, where: str
+    ) -> None:
+        """Base, arm and fingers at once; tracks are made when the robot comes to rest."""
+        if path.shape[1] != len(self.robot.joints):
+            raise self._fail(
+                f"{where}.path",
+                f"{path.shape[1]} joint values for {len(self.robot.joints)} joints",
+            )
+        rows = np.hstack([poses, path, openings[:, None]])
+        if self.moving:
+            last = self.moving[-1][1][-1]
+        else:
+            last = np.concatenate([self.base.value, self.joints.value, self.opening.value])
+        off = rows[0] - last
+        turns = round(-off[2] / (2 * math.pi))
+        off[2] = wrap(off[2])
+        self._join(np.abs(off), where)
+        rows[:, 2] += 2 * math.pi * turns
+        self.moving.append((marks, rows))
+
+    def _come_to_rest(self) -> None:
+        """What has been moved at once becomes tracks: one motion, whatever pieces it was in."""
+        if not self.moving:
+            return
+        marks = np.concatenate([part[0] for part in self.moving])
+        rows = np.vstack([part[1] for part in self.moving])
+        self.moving = []
+        keep = np.concatenate([[True], np.diff(marks) > 1e-9])
+        marks, rows = marks[keep], rows[keep]
+        self.base.through(rows[:, :3], marks)
+        self.joints.through(rows[:, 3:-1], marks)
+        self.opening.through(rows[:, -1:], marks)
 
     def _move_along(self, along: Sequence[Carried], marks: Floats, where: str) -> None:
         for carried in along:

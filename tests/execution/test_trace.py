@@ -52,10 +52,13 @@ def test_a_trace_passes_through_the_way_points_of_its_plan(trace, plan_file) -> 
 def test_the_base_keeps_its_limits_of_acceleration(trace) -> None:
     robot = load_robot(DEFAULT_ROBOT)
     times = np.arange(0.0, trace.duration, 0.002)
-    speeds = trace.base.at(times)[1]
-    gained = np.abs(np.diff(speeds, axis=0)).max(axis=0) / 0.002
-    assert np.hypot(gained[0], gained[1]) < 1.5 * robot.base.acceleration
-    assert gained[2] < 1.05 * robot.base.angular_acceleration
+    poses, speeds = trace.base.at(times)
+    c, s = np.cos(poses[:, 2]), np.sin(poses[:, 2])
+    driven = np.column_stack([c * speeds[:, 0] + s * speeds[:, 1], speeds[:, 2]])
+    # Between way points a track bends as its spline does: over their distance in time.
+    gained = np.abs(driven[25:] - driven[:-25]).max(axis=0) / 0.05
+    assert gained[0] < 1.1 * robot.base.acceleration
+    assert gained[1] < 1.05 * robot.base.angular_acceleration
 
 
 def test_links_are_where_the_judge_of_plans_has_them(trace) -> None:
@@ -184,8 +187,8 @@ def test_commands_refuse_a_file_that_is_cut_off(command, plan_file, tmp_path) ->
 
 def test_a_plan_that_does_not_hang_together_is_refused(plan_data, tmp_path) -> None:
     pieces = plan_data["actions"][1]["pieces"]
-    arm = next(piece for piece in pieces if piece["type"] == "arm")
-    arm["path"][0][2] += 0.5
+    moving = next(piece for piece in pieces if piece["type"] == "together")
+    moving["path"][0][2] += 0.5
     path = tmp_path / "plan.json"
     path.write_text(json.dumps(plan_data), encoding="utf-8")
     with pytest.raises(InputError, match=r"actions\[1\]\.pieces\[\d+\]: starts 0\.5"):

@@ -8,10 +8,29 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from domains.tabletop.actions.document import document
+from domains.tabletop.problem import TabletopProblem
 from runtime.plan.model import Plan
 from runtime.plan.read import read_plan
+from runtime.search.limits import Limits
+from runtime.solve import open_task, solve
+from sketchlang.loader import load_sketch
 
 Json = dict[str, Any]
+
+
+def in_turn(scene: str, seed: int) -> Plan:
+    """A plan whose actions are done one after the other, with the arm in its home posture in
+    between: base, arm and gripper pieces."""
+    task = open_task(load_sketch("pick_and_place").checked, scene, seed)
+    task.reporting.warm_up()
+    rng = np.random.default_rng(seed)
+    outcome = solve(task.sketch, task.problem, Limits(timeout=120.0), rng)
+    assert outcome.solved
+    assert isinstance(task.problem, TabletopProblem)
+    return document(task.problem.world, task.sketch.model, outcome, "lazy-siiw-r", seed)
 
 
 def parse(folder: Path, data: Json) -> Plan:

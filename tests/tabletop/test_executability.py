@@ -17,7 +17,7 @@ from runtime.motion.motion import Motion
 from runtime.search.problem import Rejection
 from tests.tabletop.tasks import ON_RIGHT, stick, task
 
-HERE = BasePose.of(-0.05, 0.6, 0.0)
+HERE = BasePose.of(-0.1, 0.6, 0.0)
 PICK = Pick(0, Grasp.of(0.0, 0.12))
 SEEDS = 12
 

@@ -273,7 +273,7 @@ class Executor:
         step = self.profile.motion_plan
         with step.timed():
             motion: Motion | Rejection = Rejection("motion_plan", "base")
-            poses = self._roads_for(state).route(state.base.pose, target.pose)
+            poses = self.roads_for(state).route(state.base.pose, target.pose)
             if poses is not None:
                 motion = (BaseMove(poses),)
         step.record(not isinstance(motion, Rejection))
@@ -281,9 +281,9 @@ class Executor:
 
     def can_leave(self, state: State) -> bool:
         """Whether the robot, with what it holds then, can drive off from where it stands."""
-        return self.world.is_fixed or self._roads_for(state).can_leave(state.base.pose)
+        return self.world.is_fixed or self.roads_for(state).can_leave(state.base.pose)
 
-    def _roads_for(self, state: State) -> Roads:
+    def roads_for(self, state: State) -> Roads:
         """Roads among everything that stands; those of the static scene where no standing
         object narrows them, which is the rule: tables keep the base further away."""
         key = (state.placements, state.grasp)
@@ -292,7 +292,7 @@ class Executor:
                 self._roads.clear()
             world = self.world
             standing = world.obstacles(state.placements, ()).rows[len(world.statics) :]
-            body, posture = self._carried(state)
+            body, posture = self.carried(state)
             self._roads[key] = world.roads.among(standing, body, posture)
         return self._roads[key]
 
@@ -303,7 +303,7 @@ class Executor:
             "carrying", key, lambda: carrying(self.world.robot, body, None, self._seed(key))
         )
 
-    def _carried(self, state: State) -> tuple[Body | None, Floats | None]:
+    def carried(self, state: State) -> tuple[Body | None, Floats | None]:
         """The robot's boxes with the object that it carries, and its posture; None where it
         carries none."""
         if state.held is None or state.grasp is None:

@@ -147,6 +147,7 @@ class ReachSolver:
                 starts,
                 number + 1,
                 ITERATIONS,
+                robot.ease,
                 context.body,
                 context.obstacles,
                 CONTACT_MARGIN,
@@ -180,7 +181,7 @@ class ReachSolver:
     def _ik(self, target: Pose, q: Floats, iterations: int) -> bool:
         robot = self.robot
         solved: bool = ik.solve(
-            *robot.chain, robot.lower, robot.upper, robot.tool, target, q, iterations
+            *robot.chain, robot.lower, robot.upper, robot.tool, target, q, iterations, robot.ease
         )
         return solved
 

@@ -11,7 +11,7 @@ import numpy as np
 from runtime.robot.controllers import proposed_controllers
 from runtime.robot.file import FLOOR_LINK, TOOL_LINK, GripperFile, RobotFile, gripper_path
 from runtime.robot.load import build_robot
-from runtime.robot.model import MobileBase, RobotModel
+from runtime.robot.model import JERK, MobileBase, RobotModel
 from runtime.robot.outline import points_of
 from runtime.robot.propose.base import propose_base
 from runtime.robot.propose.hand import ProposedHand, propose_hand
@@ -33,7 +33,7 @@ FASTEST = {"prismatic": 0.5, "revolute": 3.2, "continuous": 3.2}
 HARDEST = 8.0
 """rad/s^2, at most."""
 
-DRIVING = MobileBase(0.5, 0.5, 1.0, 1.5)
+DRIVING = MobileBase(0.5, 0.5, 1.0, 1.5, jerk=JERK * 0.5, angular_jerk=JERK * 1.5)
 """Speeds of a base of which nothing is known."""
 
 
@@ -206,6 +206,7 @@ def _first_file(
         tool_link=tool,
         joints=tuple(joint.name for joint in moving),
         acceleration=tuple(_acceleration(joint) for joint in moving),
+        jerk=tuple(JERK * _acceleration(joint) for joint in moving),
         home=tuple(middle),
         ignored=_sorted(ignored),
         fixed=fixed,

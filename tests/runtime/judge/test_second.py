@@ -31,8 +31,8 @@ def second(sticks: Scene, robot: RobotModel) -> Iterator[Second]:
 
 
 @pytest.fixture(scope="module")
-def produced(plan_file: Path) -> Json:
-    data: Json = json.loads(plan_file.read_text(encoding="utf-8"))
+def produced(plain_file: Path) -> Json:
+    data: Json = json.loads(plain_file.read_text(encoding="utf-8"))
     return data
 
 

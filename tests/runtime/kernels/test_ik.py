@@ -14,7 +14,8 @@ from tests.runtime.reference import Floats, forward, homogeneous, random_upright
 
 
 def solve(robot: RobotModel, target: Floats, q: Floats, iterations: int = 60) -> bool:
-    return bool(ik.solve(*robot.chain, robot.lower, robot.upper, robot.tool, target, q, iterations))
+    chain, limits = robot.chain, (robot.lower, robot.upper)
+    return bool(ik.solve(*chain, *limits, robot.tool, target, q, iterations, robot.ease))
 
 
 def tool_pose(robot: RobotModel, q: Floats) -> Floats:
@@ -103,7 +104,7 @@ def test_the_first_free_solution_is_that_of_trying_one_after_the_other(robot, rn
         for i, q in [*expected, (-1, None)]:
             number = ik.first_free(
                 robot.chain, robot.lower, robot.upper, robot.tool, target, seeds, number + 1, 60,
-                body, context.obstacles, 0.001,
+                robot.ease, body, context.obstacles, 0.001,
             )  # fmt: skip
             assert number == i
             if q is not None:

@@ -16,7 +16,15 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import runtime
-from runtime.motion.motion import ArmMove, Attach, BaseMove, Carried, GripperMove, Release
+from runtime.motion.motion import (
+    ArmMove,
+    Attach,
+    BaseMove,
+    Carried,
+    GripperMove,
+    Release,
+    Together,
+)
 from runtime.plan.model import Plan, PlanAction, PlanSubgoal, TimedPiece
 from runtime.plan.read import read_plan
 from runtime.plan.write import to_json, write_plan
@@ -29,6 +37,10 @@ def small_plan() -> Plan:
     """Every kind of action and piece, with values that survive six places."""
     drive = TimedPiece(BaseMove(np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])), np.array([0, 1.5]))
     path = np.array([[0.1, 0.2], [0.3, 0.4]])
+    both = TimedPiece(
+        Together(np.array([[1.0, 0, 0], [1, 0, 1e-3]]), path, np.array([0.05, 0.04])),
+        np.array([0.0, 0.05]),
+    )
     reach = TimedPiece(ArmMove(path, "free"), np.array([0.0, 2.25]))
     door = Carried("door", np.array([[0.0, 0, 0, 0, 0, 0, 1], [1.0, 0, 0, 0, 0, 0, 1]]))
     pull = TimedPiece(ArmMove(path[::-1], "pull", (door,)), np.array([0.0, 1.0]))
@@ -47,7 +59,7 @@ def small_plan() -> Plan:
         base_start=(0.5, -0.25, 3.0),
         subgoals=(PlanSubgoal("take", {"H": 0}, {"H": 1}, 3, 10, 20, 1, 2, {"motion_plan": 4}),),
         actions=(
-            PlanAction("move_base", "drive", 0, (drive,), {"base": [1, 0, 0]}),
+            PlanAction("move_base", "drive", 0, (drive, both), {"base": [1, 0, 0]}),
             PlanAction("pick", "pick the tea pot", 0, (reach, grip), {"object": "tea pot ☕"}),
             PlanAction("place", "put it down", 0, (reach, release, pull)),
         ),
@@ -72,10 +84,13 @@ def test_what_is_written_is_read_again(tmp_path) -> None:
     pull = found.actions[2].pieces[2].piece
     assert isinstance(pull, ArmMove)
     assert pull.along[0].body == "door"
+    both = found.actions[0].pieces[1].piece
+    assert isinstance(both, Together)
+    assert both.openings == pytest.approx([0.05, 0.04])
 
 
 def test_execution_time_is_the_sum_of_the_pieces() -> None:
-    assert small_plan().execution_time == 1.5 + 2 * 2.25 + 2 * 0.5 + 1.0
+    assert small_plan().execution_time == pytest.approx(1.5 + 0.05 + 2 * 2.25 + 2 * 0.5 + 1.0)
 
 
 def test_a_produced_plan_survives_reading_and_writing(plan_file, tmp_path) -> None:
@@ -115,10 +130,13 @@ def test_a_produced_plan_has_the_documented_keys(plan_data) -> None:
     assert all(set(action) == documented("Actions") for action in plan_data["actions"])
 
 
-def test_pieces_of_a_produced_plan_are_as_documented(plan_data) -> None:
+@pytest.mark.parametrize("which", ["plan_data", "plain_data"])
+def test_pieces_of_a_produced_plan_are_as_documented(which, request) -> None:
+    plan_data = request.getfixturevalue(which)
     extras = {"type", "along", "attach", "release"}
-    assert documented("Pieces") - extras == {"base", "arm", "gripper"}
+    assert documented("Pieces") - extras == {"base", "arm", "gripper", "together"}
     keys = {
+        "together": {"type", "times", "poses", "path", "openings"},
         "base": {"type", "times", "poses"},
         "arm": {"type", "times", "path", "kind"},
         "gripper": {"type", "times", "opening"},
@@ -146,10 +164,13 @@ def test_units_and_frames_of_a_produced_plan_are_as_documented(plan_data, robot,
         if "attach" in piece:
             assert piece["attach"]["to"] == robot.urdf_tool
     assert plan_data["robot"]["joints"] == list(robot.joints)
-    for _, _, piece in pieces(plan_data, "arm"):
-        assert np.shape(piece["path"])[1] == len(robot.joints)
-        assert len(piece["path"]) == len(piece["times"])
-    first = next(pieces(plan_data, "base"))[2]
+    for _, _, piece in pieces(plan_data, "together"):
+        count = len(piece["times"])
+        assert np.shape(piece["path"]) == (count, len(robot.joints))
+        assert np.shape(piece["poses"]) == (count, 3)
+        assert np.shape(piece["openings"]) == (count,)
+        assert np.diff(piece["times"]) == pytest.approx(0.05)
+    first = next(pieces(plan_data, "together"))[2]
     assert first["poses"][0] == pytest.approx(plan_data["base_start"])
     assert plan_data["base_start"] == pytest.approx(sticks.robot_start)
 
@@ -191,7 +212,7 @@ def test_a_cut_off_plan_is_called_so(tmp_path, plan_file) -> None:
 Change = Callable[[Json], Any]
 DAMAGE: dict[str, tuple[Change, str]] = {
     "older version": (lambda d: d.update(version=0), "version"),
-    "newer version": (lambda d: d.update(version=3), "version"),
+    "newer version": (lambda d: d.update(version=4), "version"),
     "version as text": (lambda d: d.update(version="1"), "version"),
     "another format": (lambda d: d.update(format="sketchlang-actions"), "format"),
     "no format": (lambda d: d.pop("format"), "format"),

@@ -36,8 +36,8 @@ def as_version_1(data: Json) -> Json:
     return old
 
 
-def test_it_means_the_same_motions(tmp_path, plan_data) -> None:
-    new, old = parse(tmp_path, plan_data), parse(tmp_path, as_version_1(plan_data))
+def test_it_means_the_same_motions(tmp_path, plain_data) -> None:
+    new, old = parse(tmp_path, plain_data), parse(tmp_path, as_version_1(plain_data))
     assert old.execution_time == new.execution_time
     for a, b in zip(old.actions, new.actions, strict=True):
         assert a.name == b.name
@@ -50,8 +50,8 @@ def test_it_means_the_same_motions(tmp_path, plan_data) -> None:
                     assert one.piece.release.pose == pytest.approx(two.piece.release.pose, abs=1e-6)
 
 
-def test_it_is_certified(tmp_path, plan_data, sticks, robot) -> None:
-    assert certify(parse(tmp_path, as_version_1(plan_data)), sticks.world, robot).valid
+def test_it_is_certified(tmp_path, plain_data, sticks, robot) -> None:
+    assert certify(parse(tmp_path, as_version_1(plain_data)), sticks.world, robot).valid
 
 
 def drop_placement(data: Json) -> None:
@@ -78,8 +78,8 @@ def both(data: Json) -> None:
         (lambda d: d["robot"].update(joints=[]), "robot"),
     ],
 )
-def test_damage_is_named_with_its_place(tmp_path, plan_data, damage: Any, place: str) -> None:
-    data = as_version_1(plan_data)
+def test_damage_is_named_with_its_place(tmp_path, plain_data, damage: Any, place: str) -> None:
+    data = as_version_1(plain_data)
     damage(data)
     with pytest.raises(InputError) as caught:
         parse(tmp_path, data)

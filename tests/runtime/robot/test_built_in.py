@@ -34,7 +34,7 @@ def reached(robot, family, x, y, z, heading, table, rng) -> bool:
         starts = np.vstack([robot.home, anywhere])
         found = ik.first_free(
             robot.chain, robot.lower, robot.upper, robot.tool, compose(frame, tool), starts, 0,
-            60, robot.body(0.06), obstacles, CONTACT_MARGIN,
+            60, robot.ease, robot.body(0.06), obstacles, CONTACT_MARGIN,
         )  # fmt: skip
         if found >= 0:
             assert np.allclose(robot.tool_pose(starts[found]), compose(frame, tool), atol=1e-3)

@@ -38,7 +38,7 @@ def solve(robot, target: Pose, rng, tries: int = 30):
     )
     found = ik.first_free(
         robot.chain, robot.lower, robot.upper, robot.tool, target, starts, 0, 60,
-        robot.body(0.05), boxes_only(np.empty((0, 8))), 0.0,
+        robot.ease, robot.body(0.05), boxes_only(np.empty((0, 8))), 0.0,
     )  # fmt: skip
     return None if found < 0 else starts[found]
 
