@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from runtime.world.poses import Floats, Pose, apply, invert
+from runtime.world.poses import Floats, Pose, apply
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,13 +34,19 @@ class Ground:
 
     def local(self, x: float, y: float) -> tuple[float, float]:
         """A point of the plane in the frame of the region."""
-        inside = apply(invert(self.pose), np.array([[x, y, self.height]]))[0]
-        return float(inside[0]), float(inside[1])
+        a, b, x0, c, d, y0 = self._plane
+        dx, dy = x - x0, y - y0
+        return a * dx + c * dy, b * dx + d * dy
 
     def outside(self, lx: float, ly: float) -> tuple[float, float]:
         """A point of the region in the frame that `pose` is given in."""
-        point = apply(self.pose, np.array([[lx, ly, 0.0]]))[0]
-        return float(point[0]), float(point[1])
+        a, b, x0, c, d, y0 = self._plane
+        return a * lx + b * ly + x0, c * lx + d * ly + y0
+
+    @cached_property
+    def _plane(self) -> tuple[float, ...]:
+        """The first two rows of the pose without z, as plain numbers: points come one by one."""
+        return tuple(self.pose[:2, [0, 1, 3]].ravel().tolist())
 
     def contains(self, x: float, y: float, inset: float = 0.0) -> bool:
         """Whether a point of the plane is on the region, `inset` metres from its edge."""
@@ -55,4 +62,5 @@ class Ground:
             np.linspace(-span, span, count) if count > 1 else np.zeros(1)
             for span, count in zip(spans, counts, strict=True)
         ]
-        return np.array([self.outside(lx, ly) for lx in axes[0] for ly in axes[1]])
+        lx, ly = (axis.ravel() for axis in np.meshgrid(*axes, indexing="ij"))
+        return apply(self.pose, np.column_stack([lx, ly, np.zeros(len(lx))]))[:, :2].copy()

@@ -551,12 +551,15 @@ class TabletopWorld:
 
     @cached_property
     def goals(self) -> dict[int, GoalSites]:
-        """Goal sites of the objects whose goal does not depend on where other objects are."""
-        return {
-            index: self._sites(index, goal, None)
-            for index, goal in self.placed_goals.items()
-            if self.grounds[goal.surface].owner is None
-        }
+        """Goal sites of the objects whose goal does not depend on where other objects are; the
+        same ones for objects that belong in the same place."""
+        found: dict[int, GoalSites] = {}
+        known: dict[object, GoalSites] = {}
+        for index, goal in self.placed_goals.items():
+            if self.grounds[goal.surface].owner is None:
+                sites = self._sites(index, goal, None)
+                found[index] = known.setdefault((sites.key, sites.symmetry), sites)
+        return found
 
     @cached_property
     def placed_goals(self) -> dict[int, RegionGoal | PoseGoal]:

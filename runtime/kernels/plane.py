@@ -97,15 +97,37 @@ def visible(boxes, clearance, x, y, nodes):  # type: ignore[no-untyped-def]
     return out
 
 
+CLEAR, PARTLY, BLOCKED = 0, 1, 2
+"""Cells that are clear all over; those of which only the centre certainly is; and others."""
+
+
 @njit(cache=True)
-def clear_grid(boxes, clearance, x0, y0, cell, rows, columns):  # type: ignore[no-untyped-def]
-    """Which cell centres of a grid keep the clearance of every box: (rows, columns)."""
-    out = np.zeros((rows, columns), dtype=np.bool_)
-    for i in range(rows):
-        for j in range(columns):
-            out[i, j] = point_is_clear(
-                boxes, clearance, x0 + (i + 0.5) * cell, y0 + (j + 0.5) * cell
-            )
+def grid(boxes, clearance, x0, y0, cell, rows, columns):  # type: ignore[no-untyped-def]
+    """How clear the cells of a grid are: (rows, columns). Each box looks at those near it."""
+    out = np.full((rows, columns), CLEAR, dtype=np.int8)
+    corner = 0.7072 * cell
+    for w in range(boxes.shape[0]):
+        if clearance[w] <= 0.0:
+            continue
+        box = boxes[w]
+        reach = clearance[w] + corner
+        wide = abs(box[6]) * box[3] + abs(box[7]) * box[4] + reach
+        deep = abs(box[7]) * box[3] + abs(box[6]) * box[4] + reach
+        for i in range(
+            max(0, math.floor((box[0] - wide - x0) / cell)),
+            min(rows, math.ceil((box[0] + wide - x0) / cell)),
+        ):
+            for j in range(
+                max(0, math.floor((box[1] - deep - y0) / cell)),
+                min(columns, math.ceil((box[1] + deep - y0) / cell)),
+            ):
+                if out[i, j] == BLOCKED:
+                    continue
+                away = point_distance(box, x0 + (i + 0.5) * cell, y0 + (j + 0.5) * cell)
+                if away < clearance[w]:
+                    out[i, j] = BLOCKED
+                elif away < reach:
+                    out[i, j] = PARTLY
     return out
 
 
@@ -157,17 +179,14 @@ def in_room(marks, x0, y0, cell, boxes, clearance, x, y):  # type: ignore[no-unt
 
 
 @njit(cache=True)
-def marked_cells(room, x0, y0, cell, boxes, clearance):  # type: ignore[no-untyped-def]
-    """What each cell is to a room, which is some cells of a grid (rows, columns): its edge runs
+def marked_cells(room, clear):  # type: ignore[no-untyped-def]
+    """What each cell is to a room, which is some cells of a `grid` (rows, columns): its edge runs
     through cells, so that their neighbours count as well."""
     out = np.full(room.shape, NOWHERE, dtype=np.int8)
-    more = np.where(clearance > 0.0, clearance + 0.7072 * cell, 0.0)
     for i in range(room.shape[0]):
         for j in range(room.shape[1]):
-            if _is_beside(room, i, j):
-                x = x0 + (i + 0.5) * cell
-                y = y0 + (j + 0.5) * cell
-                out[i, j] = INSIDE if point_is_clear(boxes, more, x, y) else BESIDE
+            if room[i, j] or _is_beside(room, i, j):
+                out[i, j] = INSIDE if clear[i, j] == CLEAR else BESIDE
     return out
 
 

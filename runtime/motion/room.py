@@ -49,7 +49,8 @@ def room_around(boxes: Floats, clearance: Floats, x: float, y: float) -> Room:
     high = np.max(np.vstack([boxes[:, :2] + reach[:, None], [[x, y]]]), axis=0) + SPAN
     rows, columns = (math.ceil(span / CELL) for span in high - low)
     x0, y0 = float(low[0]), float(low[1])
-    clear = plane.clear_grid(boxes, clearance, x0, y0, CELL, rows, columns)
+    grid = plane.grid(boxes, clearance, x0, y0, CELL, rows, columns)
+    clear = grid != plane.BLOCKED
     i, j = int((x - x0) / CELL), int((y - y0) / CELL)
     # The edge of the room runs through cells: where the own one is not clear, a neighbour's
     # room counts, the largest of them.
@@ -60,5 +61,5 @@ def room_around(boxes: Floats, clearance: Floats, x: float, y: float) -> Room:
         if 0 <= a < clear.shape[0] and 0 <= b < clear.shape[1]
     ]
     cells = max(rooms, key=lambda cells: int(cells.sum()))
-    marks = plane.marked_cells(cells, x0, y0, CELL, boxes, clearance)
+    marks = plane.marked_cells(cells, grid)
     return Room(cells, Floor(marks, x0, y0, CELL, boxes, clearance))

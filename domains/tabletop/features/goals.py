@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from domains.tabletop.features import swept
-from domains.tabletop.state import Placement
+from domains.tabletop.state import UNIT, Placement, quantise_angle
 from runtime.world.poses import Floats
 
 if TYPE_CHECKING:
@@ -79,8 +79,9 @@ class GoalSites:
     @cached_property
     def placements(self) -> tuple[Placement, ...]:
         """One placement a site."""
-        yaw = self.yaw or 0.0
-        return tuple(Placement.of(x, y, yaw, self.support) for x, y in self.xy)
+        yaw = quantise_angle(self.yaw or 0.0)
+        steps = np.rint(self.xy / UNIT).astype(np.int64).tolist()
+        return tuple(Placement(x, y, yaw, self.support) for x, y in steps)
 
 
 def turn_error(angle: float, symmetry: int) -> float:

@@ -106,9 +106,17 @@ def test_a_room_is_what_hangs_together_with_its_start(rng) -> None:
 def test_cells_of_a_grid_are_clear_where_their_centres_are(rng) -> None:
     boxes = random_uprights(rng, 4, 0.5)
     clearance = np.full(4, 0.1)
-    grid = plane.clear_grid(boxes, clearance, -1.0, -0.8, 0.1, 20, 16)
+    kinds: set[int] = set()
+    grid = plane.grid(boxes, clearance, -1.0, -0.8, 0.1, 20, 16)
     for i in range(20):
         for j in range(16):
             centre = -1.0 + (i + 0.5) * 0.1, -0.8 + (j + 0.5) * 0.1
             clear = all(reference.point_distance(row, *centre) >= 0.1 for row in boxes)
-            assert grid[i, j] == clear
+            assert (grid[i, j] != plane.BLOCKED) == clear
+            around = centre + 0.05 * rng.uniform(-1, 1, (9, 2))
+            all_clear = all(
+                reference.point_distance(row, *point) >= 0.1 for row in boxes for point in around
+            )
+            assert all_clear or grid[i, j] != plane.CLEAR
+            kinds.add(int(grid[i, j]))
+    assert len(kinds) == 3
