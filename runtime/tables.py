@@ -91,6 +91,13 @@ class Table:
             raise self.error(key, f"expected a number of sensible size, found {value!r}")
         return float(value)
 
+    def flag(self, key: str) -> bool:
+        """True or false."""
+        value = self._get(key)
+        if not isinstance(value, bool):
+            raise self.error(key, f"expected true or false, found {value!r}")
+        return value
+
     def numbers(self, key: str, count: int | None = None) -> list[float]:
         """A list of numbers, of the given length."""
         value = self._get(key)

@@ -25,7 +25,7 @@ def steps_to_json(trace: Trace, steps: Sequence[Step], frame: str) -> dict[str, 
         "steps": [
             {
                 "step": step.number,
-                "action": step.action,
+                "actions": list(step.actions),
                 "text": step.text,
                 "rule": step.rule,
                 "start": round(step.start, 6),

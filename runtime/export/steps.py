@@ -30,13 +30,14 @@ SAME = 1e-7
 class Step:
     """One step: from rest to rest.
 
-    `action` is the index of its action, `text` says that in one line, `rule` is that of its
-    subgoal; `start` and `end` are times of the trace; `grip` is what the fingers close on or
-    let go at its end.
+    `actions` are the indices of its actions: more than one where the robot goes from one to the
+    next without a rest. `text` says them in one line, `rule` is that of the first one's subgoal;
+    `start` and `end` are times of the trace; `grip` is what the fingers close on or let go at its
+    end.
     """
 
     number: int
-    action: int
+    actions: tuple[int, ...]
     text: str
     rule: str
     start: float
@@ -49,12 +50,21 @@ class Step:
         """Seconds that it takes."""
         return self.end - self.start
 
+    @property
+    def untimed(self) -> str | None:
+        """The controller of the base, where it keeps no times and that matters, for base and arm
+        move at once; None if that is not so."""
+        if len({goal.controller.moves_base for goal in self.goals}) == 1:
+            return None
+        bases = (goal.controller for goal in self.goals if goal.controller.moves_base)
+        return next((base.name for base in bases if not base.keeps_times), None)
+
 
 @dataclass(frozen=True)
 class _Stretch:
     start: float
     end: float
-    action: int
+    actions: tuple[int, ...]
     moving: frozenset[str]
     grip: Grip | None
 
@@ -74,9 +84,9 @@ def steps_of(trace: Trace, frame: str = "map") -> tuple[Step, ...]:
     return tuple(
         Step(
             number,
-            stretch.action,
-            trace.actions[stretch.action].text,
-            trace.subgoals[trace.actions[stretch.action].subgoal].rule,
+            stretch.actions,
+            "; ".join(trace.actions[action].text for action in stretch.actions),
+            trace.subgoals[trace.actions[stretch.actions[0]].subgoal].rule,
             stretch.start,
             stretch.end,
             tuple(_goals(trace, stretch, frame)),
@@ -120,10 +130,13 @@ def _stretches(trace: Trace) -> Iterator[_Stretch]:
     for start, end in zip(times[:-1].tolist(), times[1:].tolist(), strict=True):
         moving = frozenset(n for n, track in _tracks(trace).items() if moves(track, start, end))
         if moving:
-            middle = (start + end) / 2
-            action = max(i for i, a in enumerate(trace.actions) if a.start <= middle or i == 0)
+            actions = tuple(
+                i
+                for i, action in enumerate(trace.actions)
+                if action.start < end - SAME and action.end > start + SAME
+            )
             grips = [g for g in trace.grips if start + SAME < g.time <= end + SAME]
-            yield _Stretch(start, end, action, moving, grips[-1] if grips else None)
+            yield _Stretch(start, end, actions, moving, grips[-1] if grips else None)
 
 
 def moves(track: Track, start: float, end: float) -> bool:
@@ -141,10 +154,10 @@ def _joined(stretches: Iterator[_Stretch]) -> Iterator[_Stretch]:
         if (
             last is not None
             and last.grip is None
-            and (last.action, last.moving) == (stretch.action, stretch.moving)
+            and (last.actions, last.moving) == (stretch.actions, stretch.moving)
             and abs(last.end - stretch.start) < SAME
         ):
-            last = _Stretch(last.start, stretch.end, last.action, last.moving, stretch.grip)
+            last = _Stretch(last.start, stretch.end, last.actions, last.moving, stretch.grip)
             continue
         if last is not None:
             yield last

@@ -23,22 +23,29 @@ FOR_BASES = ("FollowPath", "NavigateToPose")
 @dataclass(frozen=True)
 class Controller:
     """A controller: its name, its type (a key of `ACTIONS`), the joints that it moves, in its
-    own order, and the name of its action."""
+    own order, and the name of its action.
+
+    One of a base (`moves_base`) has no joints, or three that the URDF need not have: x, y, heading.
+    """
 
     name: str
     type: str
     joints: tuple[str, ...]
     action: str
+    moves_base: bool = False
 
     @property
-    def moves_base(self) -> bool:
-        """Whether it moves the base instead of joints."""
-        return self.type in FOR_BASES
+    def keeps_times(self) -> bool:
+        """Whether it is where it should be when it should be."""
+        return self.type == "FollowJointTrajectory"
 
 
-def controller(name: str, kind: str, joints: Sequence[str] = (), action: str = "") -> Controller:
+def controller(
+    name: str, kind: str, joints: Sequence[str] = (), action: str = "", base: bool = False
+) -> Controller:
     """A controller that listens where such controllers do unless an action is named."""
-    return Controller(name, kind, tuple(joints), action or ACTIONS[kind].format(name=name))
+    listens = action or ACTIONS[kind].format(name=name)
+    return Controller(name, kind, tuple(joints), listens, base or kind in FOR_BASES)
 
 
 def read_controllers(table: Table) -> tuple[Controller, ...]:
@@ -55,13 +62,18 @@ def read_controllers(table: Table) -> tuple[Controller, ...]:
             known = ", ".join(ACTIONS)
             raise entry.error("type", f"there is no type {kind!r}", hint=f"known: {known}")
         joints = entry.texts("joints", optional=kind in FOR_BASES)
+        base = entry.has("base") and entry.flag("base")
         if kind in FOR_BASES and joints:
             raise entry.error("joints", f"{kind} moves the base and no joints")
+        if base and kind == "FollowJointTrajectory" and len(joints) != 3:
+            raise entry.error("joints", "a base has three: x, y and heading")
+        if base and kind == "GripperCommand":
+            raise entry.error("base", "GripperCommand moves no base")
         if kind not in FOR_BASES and not joints:
             raise entry.error("joints", "the controller has to move one joint at least")
         if kind == "GripperCommand" and len(joints) > 1:
             raise entry.error("joints", "GripperCommand moves one joint, others mimic it")
-        found.append(controller(name, kind, joints, entry.text("action", "")))
+        found.append(controller(name, kind, joints, entry.text("action", ""), base))
     return tuple(found)
 
 
@@ -91,7 +103,7 @@ def misfits(
     owners: dict[str, str] = {}
     for each in controllers:
         for name in each.joints:
-            if name not in known:
+            if name not in known and not each.moves_base:
                 yield each.name, f"joints: the URDF has no joint {name!r}", "see its <joint>s"
             elif name in owners:
                 yield (

@@ -70,7 +70,8 @@ def _controllers(node: Node | None, names: set[str]) -> tuple[Controller, ...]:
     found = []
     for entry in [] if node is None else node.each():
         joints = [joint.text() for joint in entry["joints"].each()]
-        if joints:
+        moves_base = entry["moves_base"].flag()
+        if joints and not moves_base:
             _check_names(entry["joints"], joints, names, "joint")
         found.append(
             Controller(
@@ -78,6 +79,7 @@ def _controllers(node: Node | None, names: set[str]) -> tuple[Controller, ...]:
                 entry["type"].choice(*ACTIONS),
                 tuple(joints),
                 entry["action"].text(),
+                moves_base,
             )
         )
     return tuple(found)

@@ -166,7 +166,13 @@ def _robot(robot: TraceRobot) -> dict[str, Any]:
         "openings": rounded(robot.openings),
         "finger_values": rounded(robot.finger_table),
         "controllers": [
-            {"name": c.name, "type": c.type, "joints": list(c.joints), "action": c.action}
+            {
+                "name": c.name,
+                "type": c.type,
+                "joints": list(c.joints),
+                "action": c.action,
+                "moves_base": c.moves_base,
+            }
             for c in robot.controllers
         ],
     } | ({"looks": looks} if looks else {})

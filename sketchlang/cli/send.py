@@ -56,6 +56,11 @@ Examples:
     is_flag=True,
     help="Do not ask where the robot's joints are before the first step.",
 )
+@click.option(
+    "--untimed",
+    is_flag=True,
+    help="Send steps in which base and arm move at once to a base that keeps no times.",
+)
 @interruptible
 def command(
     file: Path,
@@ -69,6 +74,7 @@ def command(
     frame: str,
     patience: float,
     unseen: bool,
+    untimed: bool,
 ) -> None:
     """Send FILE, a plan, to a robot's controllers, step by step.
 
@@ -100,6 +106,8 @@ def command(
             say(summary(steps[first:]))
             return
         assert rosbridge is not None
+        if not untimed:
+            _refuse_untimed(steps[first:])
         failure = _send(trace, steps, first, rosbridge, frame, patience, unseen)
     except InputError as error:
         fail(error)
@@ -123,6 +131,18 @@ def _refuse_partial(file: Path) -> None:
             place=str(file),
             hint="`sketchlang run` said why; to look at its steps: sketchlang export --steps",
         )
+
+
+def _refuse_untimed(steps: Sequence[Step]) -> None:
+    """Where base and arm move at once, a plan is free of collision at its own times only."""
+    from sketchlang.errors import InputError
+
+    for step in steps:
+        if step.untimed is not None:
+            raise InputError(
+                f"step {step.number} moves base and arm at once, and {step.untimed} keeps no times",
+                hint="the robot file may name a controller that does; --untimed sends it as it is",
+            )
 
 
 def _send(

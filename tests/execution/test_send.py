@@ -103,6 +103,16 @@ def test_mistakes_are_said_in_one_line(plan_file, words, said) -> None:
     assert len(done.output.splitlines()) <= 2
 
 
+def test_a_base_that_keeps_no_times_gets_no_arm_beside_it(plan_file, robot, monkeypatch) -> None:
+    """No planner does that yet; the command asks the steps."""
+    monkeypatch.setattr("runtime.export.steps.Step.untimed", "base")
+    done = send(plan_file, robot)
+    assert done.exit_code == 2
+    assert "keeps no times" in done.output
+    assert robot.goals == []
+    assert send(plan_file, robot, "--untimed").exit_code == 0
+
+
 def test_half_a_plan_is_not_sent(plan_data, tmp_path) -> None:
     plan_data["failure"] = {"reason": "no way", "stuck": {}, "why": []}
     half = tmp_path / "plan.unsolved.json"

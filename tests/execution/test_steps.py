@@ -163,8 +163,38 @@ def test_base_and_arm_that_move_at_once_are_one_step(trace) -> None:
         ["torso_controller", "arm_controller", "base"],
         ["torso_controller", "arm_controller"],
     ]
+    assert [step.untimed for step in steps] == [None, "base", None]
     ends = [goal.motion.times[-1] for goal in steps[1].goals]
     assert ends == pytest.approx([steps[1].duration] * 3)
+
+
+def test_a_base_may_keep_times(trace) -> None:
+    """As three joints, whose values are those of the trace."""
+    kept = [c for c in trace.robot.controllers if not c.moves_base]
+    wheels = controller("wheels", "FollowJointTrajectory", ["x", "y", "t"], base=True)
+    robot = replace(trace.robot, controllers=(*kept, wheels))
+    steps = steps_of(replace(trace, robot=robot))
+    drives = [(s, g) for s in steps for g in s.goals if g.controller == wheels]
+    assert len(drives) > 2
+    for step, goal in drives:
+        assert goal.message["trajectory"]["joint_names"] == ["x", "y", "t"]
+        times = np.linspace(0, step.duration, 50)
+        wanted = trace.base.at(step.start + times)[0]
+        assert track_of(goal.message["trajectory"]).at(times)[0] == pytest.approx(wanted, abs=1e-5)
+    assert list(misfits(robot.controllers, [*robot.joints, *robot.fingers])) == []
+
+
+def test_a_step_has_all_the_actions_between_two_rests(trace) -> None:
+    """One motion over the end of an action: the arm is still on its way when the next begins."""
+    first, second = trace.actions[0], trace.actions[1]
+    joints = TrackBuilder(trace.joints.values[0])
+    joints.line(first.end - 0.5, second.start + 0.5, trace.joints.values[0] + 0.1, 0.3)
+    still = TrackBuilder(trace.opening.values[0]).track()
+    base = TrackBuilder(trace.base.values[0]).track()
+    moved = replace(trace, joints=joints.track(), opening=still, base=base, grips=())
+    (step,) = steps_of(moved)
+    assert step.actions == (0, 1)
+    assert step.text == f"{first.text}; {second.text}"
 
 
 def test_a_grasp_ends_a_step_though_the_fingers_go_on(trace) -> None:
