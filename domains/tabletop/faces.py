@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from domains.tabletop.features.swept import HEADINGS, heading_bit
+from domains.tabletop.features.swept import HEADINGS, near_headings
 from domains.tabletop.items import Item
 from domains.tabletop.room import has_room
-from domains.tabletop.scene.model import SceneObject
+from domains.tabletop.scene.model import AnyGoal, PoseGoal, RegionGoal, SceneObject
 from domains.tabletop.state import PINCH, SIDE, TOP, Grasp
 from runtime.world.poses import Floats, Pose, compose, invert
 from runtime.world.stable import ANY_TURN, StablePose
@@ -145,6 +145,22 @@ def faces_at(world: TabletopWorld, index: int, goal: GoalSites | None) -> tuple[
     return world.memory.answer("faces", key, lambda: _faces_at(world, index, goal))
 
 
+def is_turned(world: TabletopWorld, index: int) -> bool:
+    """Whether some goal on what does not move wants an object on another face than that of the
+    start: what stands on it has to be taken off first."""
+    return world.memory.answer("is turned", index, lambda: _is_turned(world, index))
+
+
+def _is_turned(world: TabletopWorld, index: int) -> bool:
+    goal = world.scene.goals.get(index)
+    singles = goal.alternatives if isinstance(goal, AnyGoal) else (goal,)
+    return any(
+        faces_at(world, index, world.sites_of(index, single, None)) != (0,)
+        for single in singles
+        if isinstance(single, RegionGoal | PoseGoal) and world.grounds[single.support].owner is None
+    )
+
+
 def can_turn(world: TabletopWorld, index: int, goal: GoalSites | None) -> bool:
     """Whether an object may be put on another face at all: nothing needs it to bear something,
     and no heading is asked for, which is that of the face at the start."""
@@ -193,7 +209,7 @@ def _others(world: TabletopWorld, index: int, goal: GoalSites | None) -> tuple[i
             continue
         for turn in turns(world, index, 0, item.face):
             start = _start_ways(world, index, turn.family)
-            if (start >> heading_bit(turn.angle + at[3])) & 1 and (
+            if start & near_headings(turn.angle + at[3]) and (
                 goal is None
                 or goal.frame is not None
                 or _placeable(world, index, goal, turn.there.family, turn.there)

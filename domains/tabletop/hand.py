@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -39,6 +40,12 @@ class Hand:
     max_weight: float
     max_torque: float
     sweeps: tuple[Floats, ...]
+
+    @cached_property
+    def finger_width(self) -> float:
+        """Metres beside what is gripped that a finger needs, its play included."""
+        rows = self.sweeps[TOP]
+        return float(rows[rows[:, 6] == 1.0, 3].max())
 
     def workspace(self, family: int, height: float) -> tuple[float, float, float] | None:
         """Where the wrist has to be for a grasp centre at a height above the floor: how far

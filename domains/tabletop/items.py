@@ -14,7 +14,8 @@ from functools import cached_property
 import numpy as np
 
 from domains.tabletop.hand import Hand
-from domains.tabletop.outlines import Slab, around
+from domains.tabletop.outlines import FRICTION, Slab, around
+from domains.tabletop.rims import PALM_AIR, outermost, rim_of
 from domains.tabletop.state import PINCH, SIDE, TOP, UNIT, Grasp
 from runtime.world.body import Body, Part
 from runtime.world.outline import vertices_and_edges
@@ -28,13 +29,6 @@ GRASP_HEIGHT = 0.12
 
 PINCH_DEPTH = 0.03
 """Metres that the fingers reach over the edge of what they pinch."""
-
-PALM_AIR = 0.004
-"""Metres left between the palm, or the tips of the fingers, and what they must not touch."""
-
-FRICTION = 0.6
-"""Fingers hold what they touch on two sides if the points are nearly opposite: the tangent of
-the angle by which they may be beside each other, well within what friction bears."""
 
 SIDE_LENGTH = 0.01
 """Metres of an edge of an outline that counts as a side."""
@@ -153,10 +147,17 @@ class Item:
     def holds(self, hand: Hand, family: int, angles: Floats) -> Hold | None:
         """How a hand takes the object at some headings (k,) in its standing frame; None where
         it cannot at all."""
+        if family == TOP and self._by_its_rim(hand):
+            return self._rim_holds(hand, angles)
         gripped = self._gripped(hand, family)
         if gripped is None:
             return None
-        height, outlines = gripped
+        return self._across(hand, family, angles, *gripped)
+
+    def _across(
+        self, hand: Hand, family: int, angles: Floats, height: float, outlines: list[Floats]
+    ) -> Hold:
+        """The hold with all that is at its height between the fingers."""
         ahead = np.array([np.cos(angles), np.sin(angles)])
         forward = np.vstack(outlines) @ ahead  # (n, k)
         near, far = forward.min(axis=0), forward.max(axis=0)
@@ -209,6 +210,35 @@ class Item:
             self._known_grips[family] = found
         return self._known_grips[family]
 
+    def _by_its_rim(self, hand: Hand) -> bool:
+        """Whether from above only a rim of the object fits between the fingers."""
+        known = self._known_grips
+        if -1 not in known:
+            gripped = self._gripped(hand, TOP) if len(self.parts) > 1 else None
+            angles = np.concatenate([self.sides, np.arange(24.0) * math.pi / 12])
+            whole = gripped is None or self._across(hand, TOP, angles, *gripped).fits.any()
+            rim = None if whole and gripped is not None else rim_of(self.parts, self.size[2], hand)
+            found = None
+            if rim is not None and len(self.parts) > 1:
+                outlines = self.section(rim - hand.tip, self.size[2])
+                found = (rim, outlines) if outlines else None
+            known[-1] = found
+        return known[-1] is not None
+
+    def _rim_holds(self, hand: Hand, angles: Floats) -> Hold:
+        """How a hand takes the object from above by the part of its rim that is on the left,
+        beside its centre of mass."""
+        gripped = self._known_grips[-1]
+        assert gripped is not None
+        height, outlines = gripped
+        along = self.centre[:2] @ np.array([np.cos(angles), np.sin(angles)])
+        width, middle, fits = outermost(
+            outlines, angles, along - hand.pad, along + hand.pad, hand.finger_width
+        )
+        fits &= width + 2 * hand.clearance <= hand.max_opening + 1e-9
+        borne = self._is_borne(hand, angles, along, middle)
+        return Hold(TOP, height, width, along, middle, np.where(fits, borne, False))
+
     def _between(self, hand: Hand, family: int, height: float) -> tuple[float, float]:
         """The heights between which the fingers are that grip at a height."""
         if family == SIDE:
@@ -258,6 +288,8 @@ class Item:
 
     def width(self, hand: Hand, grasp: Grasp) -> float:
         """Metres between the fingers of a grasp, wherever its centre is."""
+        if grasp.family == TOP and self._by_its_rim(hand):
+            return float(self._rim_holds(hand, np.array([grasp.heading])).width[0])
         gripped = self._gripped(hand, grasp.family)
         if gripped is not None and abs(gripped[0] - grasp.height * UNIT) < UNIT:
             outlines = gripped[1]

@@ -13,6 +13,10 @@ from runtime.world.poses import Floats
 TOUCHING = 2e-4
 """Metres from the outermost point within which an outline touches a finger."""
 
+FRICTION = 0.6
+"""Fingers hold what they touch on two sides if the points are nearly opposite: the tangent of
+the angle by which they may be beside each other, well within what friction bears."""
+
 
 def around(points: Floats) -> Floats:
     """The corners (m, 2) of the convex hull of points (n, 2), counter-clockwise (Andrew's

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
     from domains.tabletop.world import TabletopWorld
-    from runtime.world.poses import Pose
+    from runtime.world.poses import Floats, Pose
 
 UNIT = 1e-5
 """Metres and radians of one step of a quantised coordinate."""
@@ -127,6 +127,11 @@ class Grasp(NamedTuple):
         along, aside = self.along * UNIT, self.aside * UNIT
         x, y = at[0] + c * along - s * aside, at[1] + s * along + c * aside
         return x, y, at[2] + self.height * UNIT
+
+    @property
+    def up(self) -> Floats:
+        """What direction (3,) of the tool frame points up where the object stands."""
+        return self.tool[2, :3].copy()
 
     @property
     def tool(self) -> Pose:

@@ -167,15 +167,14 @@ class TabletopWorld:
 
     @cached_property
     def bases(self) -> frozenset[int]:
-        """Objects on which things stand at the start, or that some goal wants things on: they
-        stay on their face, for only that has a level top."""
+        """Objects on which some goal wants things: they stay on their face, for only that has a
+        level top."""
         singles = [
             single
             for goal in self.scene.goals.values()
             for single in (goal.alternatives if isinstance(goal, AnyGoal) else (goal,))
         ]
         used = [s for g in singles if not isinstance(g, HeldGoal) for s in _supports_of(g)]
-        used += [thing.surface for thing in self.scene.objects]
         used += [self.scene.word.support] if self.scene.word is not None else []
         owners = (self.grounds[support].owner for support in used)
         return frozenset(owner for owner in owners if owner is not None)
@@ -243,12 +242,16 @@ class TabletopWorld:
             x, y, yaw = c * dx + s * dy, c * dy - s * dx, yaw - below[3]
         return Placement.of(x, y, yaw, support, face)
 
+    def standing_in(self, placements: Placements, index: int) -> list[int]:
+        """Objects that rest on an object itself."""
+        grounds = self.owned.get(index, ())
+        return [i for i, p in enumerate(placements) if p is not None and p.support in grounds]
+
     def riders(self, placements: Placements, index: int) -> tuple[int, ...]:
         """Objects that rest on an object, or on what rests on it."""
-        grounds = self.owned.get(index)
-        if not grounds:
+        if index not in self.owned:
             return ()
-        direct = [i for i, p in enumerate(placements) if p is not None and p.support in grounds]
+        direct = self.standing_in(placements, index)
         return tuple(direct) + tuple(r for i in direct for r in self.riders(placements, i))
 
     def box_row(self, index: int, at: tuple[float, float, float, float], face: int = 0) -> Floats:
@@ -314,8 +317,13 @@ class TabletopWorld:
         )
 
     def _object_at(self, index: int, at: tuple[float, float, float, float], face: int) -> Obstacles:
-        if self.packed is None:
+        parts = self.faces[index][face].parts
+        if self.packed is None and len(parts) == 1:
             return boxes_only(self.box_row(index, at, face)[None])
+        if self.packed is None:
+            stands = upright(*at)
+            rows = [upright_row(part.solid, compose(stands, part.pose)) for part in parts]
+            return boxes_only(np.array(rows))
         return self.packed.at(self._first_form[index] + face, upright(*at))
 
     def obstacles(self, placements: Placements, without: Collection[int]) -> Obstacles:
@@ -557,7 +565,7 @@ class TabletopWorld:
         known: dict[object, GoalSites] = {}
         for index, goal in self.placed_goals.items():
             if self.grounds[goal.surface].owner is None:
-                sites = self._sites(index, goal, None)
+                sites = self.sites_of(index, goal, None)
                 found[index] = known.setdefault((sites.key, sites.symmetry), sites)
         return found
 
@@ -589,13 +597,13 @@ class TabletopWorld:
         if goal is None or isinstance(goal, HeldGoal):
             return None
         if not isinstance(goal, AnyGoal):
-            return self._sites(index, goal, here)
+            return self.sites_of(index, goal, here)
         return self._best_of(index, goal, here)
 
     def _best_of(self, index: int, goal: AnyGoal, here: Arrangement) -> GoalSites | None:
         """Of several goals one that holds, else the one with the fewest obstructions."""
         choices = [
-            self._sites(index, each, here)
+            self.sites_of(index, each, here)
             for each in goal.alternatives
             if not isinstance(each, HeldGoal)
         ]
@@ -606,10 +614,10 @@ class TabletopWorld:
         found = [here.obstructions_with(index, sites, None, None) for sites in choices]
         return choices[found.index(min(found))] if choices else None
 
-    def _sites(
+    def sites_of(
         self, index: int, goal: RegionGoal | PoseGoal, here: Arrangement | None
     ) -> GoalSites:
-        """The sites of a goal; on a support that can be moved they are where it is now."""
+        """The sites of one goal; on a support that can be moved they are where it is now."""
         ground = self.grounds[goal.support]
         below = (0.0, 0.0, 0.0, 0.0)
         if ground.owner is not None:

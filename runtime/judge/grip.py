@@ -65,7 +65,7 @@ def grip_fault(
     right = [f for f in fingers if f[1][1, 3] <= 0]
     parts = [(part.solid, in_tool @ homogeneous(part.pose)) for part in body.parts]
     x, z = _lines(left, right)
-    low, high = _interval(parts, x, z)
+    low, high = _between(parts, left, right, x, z)
     if not len(x) or not np.isfinite(low).any():
         return f"{name} is not between the fingers when they close"
     face_left, face_right = _interval(left, x, z)[0], _interval(right, x, z)[1]
@@ -145,6 +145,25 @@ def _around(parts: Sequence[tuple[Solid, Floats]]) -> tuple[Floats, Floats]:
     places = [pose[:3, 3] for _, pose in parts]
     low = np.min([p - r for p, r in zip(places, reach, strict=True)], axis=0)
     high = np.max([p + r for p, r in zip(places, reach, strict=True)], axis=0)
+    return low, high
+
+
+def _between(
+    parts: Sequence[tuple[Solid, Floats]],
+    left: Sequence[tuple[Solid, Floats]],
+    right: Sequence[tuple[Solid, Floats]],
+    x: Floats,
+    z: Floats,
+) -> tuple[Floats, Floats]:
+    """Where lines first enter and last leave solids, but for those that are beyond a finger:
+    the other wall of a tray whose rim is held."""
+    low, high = np.full(len(x), np.inf), np.full(len(x), -np.inf)
+    beyond_left, beyond_right = _interval(left, x, z)[1], _interval(right, x, z)[0]
+    for solid, pose in parts:
+        enter, leave = along_y(solid, pose, x, z)
+        counts = (enter <= beyond_left) & (leave >= beyond_right)
+        low = np.where(counts, np.minimum(low, enter), low)
+        high = np.where(counts, np.maximum(high, leave), high)
     return low, high
 
 

@@ -17,6 +17,7 @@ from runtime.judge.findings import Finding
 from runtime.judge.footing import above, footings, movable
 from runtime.judge.grip import grip_fault, load_fault
 from runtime.judge.limits import arm_fault, base_fault, finger_fault
+from runtime.judge.load import Load, accelerations, drive_pushes, even_times, loads_of
 from runtime.judge.skeleton import Skeleton
 from runtime.judge.stability import falls, fault_of_rest
 from runtime.judge.together import Underway
@@ -73,6 +74,7 @@ class Replay:
         self.held: int | None = None
         self.link = robot.urdf_tool
         self.group: dict[int, Floats] = {}
+        self.loads: list[Load] = []
         self.samples = 0
         self.findings: list[Finding] = []
         self._number = 0
@@ -118,7 +120,7 @@ class Replay:
         base, counts = _dense(poses, np.full(3, BASE_STEP))
         done = self._travel(base, np.tile(self.q, (len(base), 1)), along, counts)
         self.base = poses[-1].copy()
-        return done
+        return done and self._find(self._shaken_off_driving())
 
     def _reach(self, path: Floats, along: Sequence[Carried], timed: TimedPiece) -> bool:
         if path.shape[1] != len(self.robot.joints):
@@ -132,7 +134,37 @@ class Replay:
         q, counts = _dense(path, np.full(len(self.q), JOINT_STEP))
         done = self._travel(np.tile(self.base, (len(q), 1)), q, along, counts)
         self.q = path[-1].copy()
-        return done
+        base = np.tile(self.base, (len(path), 1))
+        return done and self._find(self._shaken_off(base, path, timed.times, True))
+
+    # -- what stands on what is held ---------------------------------------------------------
+
+    def _shaken_off(self, poses: Floats, path: Floats, times: Floats, rests: bool) -> str | None:
+        """What slides or tips while base and arm go through way points, None for nothing;
+        `rests`: they are at rest before and after."""
+        if not self.loads or self.held is None:
+            return None
+        marks = even_times(times, rests)
+        rows = np.hstack([poses, path])
+        rows = np.column_stack([np.interp(marks, times, column) for column in rows.T])
+        links = self.skeleton.transforms(rows[:, :3], rows[:, 3:], self.opening)
+        carried = links[self.link] @ self.group[self.held]
+        faults = (load.fault(carried, accelerations(load.places(carried))) for load in self.loads)
+        return next((fault for fault in faults if fault is not None), None)
+
+    def _shaken_off_driving(self) -> str | None:
+        """The same while the base drives as hard as it can."""
+        if not self.loads or self.held is None:
+            return None
+        links = self.skeleton.transforms(self.base[None], self.q[None], self.opening)
+        carried = links[self.link] @ self.group[self.held]
+        for load in self.loads:
+            reach = float(np.hypot(*(load.places(carried)[0, :2] - self.base[:2])))
+            pushes = drive_pushes(self.robot.base, reach)
+            fault = load.fault(np.repeat(carried, len(pushes), axis=0), pushes)
+            if fault is not None:
+                return fault
+        return None
 
     def _together(self, piece: Together, times: Floats) -> bool:
         """Base, arm and fingers at once. Limits are tested when the robot comes to rest: only
@@ -154,6 +186,7 @@ class Replay:
         step[:3], step[-1] = BASE_STEP, FINGER_STEP
         dense, counts = _dense(rows, step)
         done = self._travel(dense[:, :3], dense[:, 3:-1], (), counts, dense[:, -1])
+        done = done and self._find(self._shaken_off(rows[:, :3], rows[:, 3:-1], times, False))
         self.base, self.q, self.opening = rows[-1, :3], rows[-1, 3:-1], float(rows[-1, -1])
         return done
 
@@ -296,6 +329,7 @@ class Replay:
             return self._find(f"{name}: {load}")
         to_link = np.linalg.inv(links[link])
         self._up = self.poses[index][2, :3]
+        self.loads = loads_of(self.world, self.poses, index, group)
         self.group = {i: to_link @ self.poses.pop(i) for i in group}
         self.held, self.link = index, link
         return True
@@ -312,6 +346,7 @@ class Replay:
             return self._find(f"{name} ends {1000 * off:.1f} mm from where the plan says it is put")
         self.poses |= poses
         self.held, self.group, self.link = None, {}, self.robot.urdf_tool
+        self.loads = []
         return self._find(fault_of_rest(self.world, self.poses, index, release.on))
 
     # -- bodies that are moved along -----------------------------------------------------------

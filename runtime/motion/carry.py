@@ -8,10 +8,10 @@ random the one that takes up the least room.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
-from runtime.kernels import ik
 from runtime.motion.arm_context import FREE_MARGIN, ArmContext
 from runtime.motion.base import footprint
 from runtime.robot.model import Body, RobotModel
@@ -26,37 +26,42 @@ ENOUGH = 16
 STRAY = 1.2
 """Radians by which joints stray from home, the last of the tries (standard deviation)."""
 
-APART = 0.3
-"""Metres by which the tool strays from where it is at home, where it is kept level."""
 
-ITERATIONS = 80
-
-LEVEL = 0.02
-"""Radians by which what is kept level may lean."""
-
-
-def carrying(robot: RobotModel, body: Body, up: Floats | None, seed: int) -> Floats | None:
+def carrying(
+    robot: RobotModel, body: Body, seed: int, among: Sequence[Floats] | None = None
+) -> Floats | None:
     """A posture (n,) to carry something in, None where none is found. `body` is the robot with
-    what it holds; `up` (3,) is the direction of the tool frame that is to point up, None where
-    any will do."""
+    what it holds; `among` are postures to choose from, the best first, where not any will do."""
     alone = ArmContext(robot, body, np.empty((0, 8)))
-    home = robot.home
-    if (up is None or lean_of(robot.tool_pose(home), up) < LEVEL) and not alone.collides(home):
-        return home
+    if among is not None:
+        return next((q for q in among if _is_free(robot, alone, q)), None)
+    if not alone.collides(robot.home):
+        return robot.home
     rng = np.random.default_rng(seed)
     found: list[tuple[float, Floats]] = []
     for number in range(TRIES):
-        q = _stray(robot, rng, number / TRIES)
-        if up is not None and not _levelled(robot, q, up, rng):
-            continue
-        rings = footprint(robot, body, q).rings
-        if alone.collides(q, FREE_MARGIN) or _is_low(robot, body, rings):
-            continue
-        widest = float(rings[:, 2].max())
-        found.append((widest + 0.02 * float(np.abs(q - home).max()), q))
-        if len(found) == ENOUGH:
-            break
+        q = stray(robot, rng, number / TRIES)
+        if _is_free(robot, alone, q):
+            found.append((room_taken(robot, body, q), q))
+            if len(found) == ENOUGH:
+                break
     return min(found, key=lambda each: each[0])[1] if found else None
+
+
+def room_taken(robot: RobotModel, body: Body, q: Floats) -> float:
+    """How far from its axis a robot reaches in a posture, metres, and a little for how far that
+    is from home."""
+    widest = float(footprint(robot, body, q).rings[:, 2].max())
+    return widest + 0.02 * float(np.abs(q - robot.home).max())
+
+
+def _is_free(robot: RobotModel, alone: ArmContext, q: Floats) -> bool:
+    """Whether the robot touches neither itself nor the floor."""
+    if alone.collides(q, FREE_MARGIN):
+        return False
+    moved = alone.body.frame > 0
+    lows = footprint(robot, alone.body, q).rings[moved, 0]
+    return bool(lows.min(initial=np.inf) > FREE_MARGIN)
 
 
 def lean_of(tool: Pose, up: Floats) -> float:
@@ -65,36 +70,8 @@ def lean_of(tool: Pose, up: Floats) -> float:
     return math.acos(max(-1.0, min(1.0, float(tool[2, :3] @ up))))
 
 
-def level_rotation(up: Floats, yaw: float) -> Floats:
-    """A rotation (3, 3) that turns a direction (3,) up, and then about the vertical."""
-    side = np.eye(3)[int(np.argmin(np.abs(up)))]
-    x = side - (side @ up) * up
-    x /= np.linalg.norm(x)
-    flat = np.array([x, np.cross(up, x), up])
-    c, s = math.cos(yaw), math.sin(yaw)
-    turned: Floats = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]) @ flat
-    return turned
-
-
-def _stray(robot: RobotModel, rng: np.random.Generator, share: float) -> Floats:
+def stray(robot: RobotModel, rng: np.random.Generator, share: float) -> Floats:
+    """A configuration (n,) near home; the greater the share (0 to 1), the further away."""
     spread = STRAY * (0.1 + 0.9 * share) * np.minimum(1.0, (robot.upper - robot.lower) / 2)
-    q: Floats = np.clip(robot.home + rng.normal(size=len(robot.home)) * spread,
-                        robot.lower, robot.upper)  # fmt: skip
-    return q
-
-
-def _levelled(robot: RobotModel, q: Floats, up: Floats, rng: np.random.Generator) -> bool:
-    """Bring the tool level near where it is at home, by inverse kinematics from q, in place."""
-    place = robot.tool_pose(robot.home)[:, 3] + rng.normal(size=3) * (APART / 2)
-    rotation = level_rotation(up, rng.uniform(-math.pi, math.pi))
-    target = np.column_stack([rotation, place])
-    solved: bool = ik.solve(
-        *robot.chain, robot.lower, robot.upper, robot.tool, target, q, ITERATIONS
-    )
-    return solved
-
-
-def _is_low(robot: RobotModel, body: Body, rings: Floats) -> bool:
-    """Whether something that the arm moves is in the floor."""
-    moved = body.frame > 0
-    return bool(moved.any() and rings[moved, 0].min() < FREE_MARGIN)
+    q = robot.home + rng.normal(size=len(robot.home)) * spread
+    return np.clip(q, robot.lower, robot.upper)

@@ -51,12 +51,15 @@ class BaseMove:
 class ArmMove:
     """Configurations (p, n) of the planning joints, straight lines in between.
 
-    `kind` is free, approach, lift, lower or retreat, or a domain's own word.
+    `kind` is free, approach, lift, lower or retreat, or a domain's own word. `pace` is the share
+    of the joints' speed limits that is used, and its square that of their accelerations: less
+    than 1 where something could slide.
     """
 
     path: Floats
     kind: str
     along: tuple[Carried, ...] = ()
+    pace: float = 1.0
 
 
 @dataclass(frozen=True, eq=False)

@@ -85,10 +85,10 @@ def timed(robot: RobotModel, piece: Piece, opening: float) -> tuple[Piece, Float
     match piece:
         case BaseMove(poses, _):
             durations = [_base_duration(robot, a, b) for a, b in pairwise(poses)]
-        case ArmMove(path, kind, along):
-            limits = robot.velocity, robot.acceleration
+        case ArmMove(path, kind, along, pace):
+            limits = robot.velocity * pace, robot.acceleration * pace**2
             points, times, places = _time_path(path, *limits)
-            return ArmMove(points, kind, tuple(_carried(c, places) for c in along)), times
+            return ArmMove(points, kind, tuple(_carried(c, places) for c in along), pace), times
         case GripperMove(goal):
             stroke = finger_time(robot, opening, goal) / (1 - FINGER_RAMP)
             durations = [max(robot.gripper.time, stroke)]

@@ -132,7 +132,8 @@ def test_a_flat_box_over_the_edge_is_stood_up_in_a_bin(tmp_path, robot) -> None:
 
 
 def test_what_bears_others_or_has_to_have_a_heading_is_not_turned(tmp_path, robot) -> None:
-    rider = '[[object]]\nname = "on it"\nsize = [0.05, 0.05, 0.05]\non = "box"\n'
+    rider = '[[object]]\nname = "cube"\nsize = [0.05, 0.05, 0.05]\nat = [1.2, 0.3]\non = "table"\n'
+    rider += '[[goal]]\nobject = "cube"\non = "box"\n'
     world = made(tmp_path, robot, scene("[0.3, 0.2, 0.05]", 0.87, more=rider))
     here = arrangement(world, world.initial.placements)
     assert faces_at(world, 0, world.goal_sites(0, here)) == (0,)

@@ -23,7 +23,7 @@ from domains.tabletop.actions.reach import Grip, Reach, ReachSolver, grip_of, gr
 from domains.tabletop.state import UNIT, BasePose, Grasp, Placement, State
 from domains.tabletop.world import TabletopWorld
 from runtime.kernels.convex import Obstacles, join, seen_from
-from runtime.motion import rrt
+from runtime.motion import level, rrt
 from runtime.motion.arm_context import ArmContext
 from runtime.motion.carry import carrying
 from runtime.motion.motion import ArmMove, Attach, BaseMove, GripperMove, Motion, Release
@@ -32,7 +32,7 @@ from runtime.robot.model import Body
 from runtime.search.problem import Rejection
 from runtime.search.profile import Profile
 from runtime.world.body import Part
-from runtime.world.poses import Floats, Pose, compose, invert, upright
+from runtime.world.poses import Floats, Pose, compose, heading, invert, upright
 from runtime.world.quaternions import pose_of
 
 REACH = 1.3
@@ -40,6 +40,9 @@ REACH = 1.3
 
 REMEMBERED = 2000
 """Answers about manipulations that are kept."""
+
+PACE = 0.5
+"""Share of the arm's speed that is used where something stands on what it carries."""
 
 FURTHER = 3
 """Further postures at a grasp that are tried where the first has no simple way from home, ..."""
@@ -161,9 +164,15 @@ class Executor:
         others = seen_from(world.obstacles(state.placements, without), x, y, yaw, REACH)
         at = world.rests_at(state.placements, index, placement)
         assert at is not None
-        own = seen_from(world.object_at(index, at, placement.face), x, y, yaw, np.inf)
+        own = [seen_from(world.object_at(index, at, placement.face), x, y, yaw, np.inf)]
+        for rider in riders:
+            there, on = world.rests_on(state.placements, rider, index), state.placements[rider]
+            assert on is not None
+            pose = compose(standing, there)
+            stands = (*pose[:, 3].tolist(), heading(pose))
+            own.append(seen_from(world.object_at(rider, stands, on.face), x, y, yaw, np.inf))
         parts = world.rider_parts(state.placements, index)
-        return Manipulation(state.base, target, standing, taken, others, join(others, own), parts)
+        return Manipulation(state.base, target, standing, taken, others, join(others, *own), parts)
 
     def _known(self, key: object, compute: Callable[[], Answer]) -> Answer:
         """The answer to a question that was asked before, or what `compute` gives."""
@@ -235,32 +244,38 @@ class Executor:
         empty = ArmContext(robot, robot.body(reach.opening), asked.with_object)
         full = ArmContext(robot, robot.body(reach.closed, self._held(asked)), asked.others)
         seed = self._seed(asked.base, placement, grasp, "motion")
-        carrying = self._carrying(index, asked.taken, full.body)
+        carrying = self._carrying(index, asked.taken, full.body, asked.riders)
         if carrying is None:
             return Rejection("motion_plan", item.name)
         way = rrt.plan if searching else rrt.simple
         there = way(empty, robot.home, reach.approach[0], seed)
         if there is None:
             return Rejection("motion_plan", item.name)
-        back = way(full, reach.retreat[-1], carrying, seed + 1)
+        if asked.riders:
+            rounds = level.ROUNDS if searching else 1
+            up = asked.taken.up
+            back = level.plan(full, reach.retreat[-1], carrying, up, seed + 1, rounds)
+        else:
+            back = way(full, reach.retreat[-1], carrying, seed + 1)
         if back is None:
             return Rejection("motion_plan", item.name)
+        pace = PACE if asked.riders else 1.0
         if picks:
             return (
                 GripperMove(reach.opening),
                 ArmMove(there, "free"),
                 ArmMove(reach.approach, "approach"),
                 GripperMove(reach.closed, Attach(item.name, robot.urdf_tool)),
-                ArmMove(reach.lift, "lift"),
-                ArmMove(reach.retreat, "retreat"),
-                ArmMove(back, "free"),
+                ArmMove(reach.lift, "lift", pace=pace),
+                ArmMove(reach.retreat, "retreat", pace=pace),
+                ArmMove(back, "free", pace=pace),
             )
         ground = world.grounds[placement.support]
         stands = pose_of(compose(asked.standing, item.standing))
         return (
-            ArmMove(back[::-1].copy(), "free"),
-            ArmMove(reach.retreat[::-1].copy(), "approach"),
-            ArmMove(reach.lift[::-1].copy(), "lower"),
+            ArmMove(back[::-1].copy(), "free", pace=pace),
+            ArmMove(reach.retreat[::-1].copy(), "approach", pace=pace),
+            ArmMove(reach.lift[::-1].copy(), "lower", pace=pace),
             GripperMove(reach.opening, release=Release(item.name, ground.name, stands)),
             ArmMove(reach.approach[::-1].copy(), "retreat"),
             ArmMove(there[::-1].copy(), "free"),
@@ -296,12 +311,19 @@ class Executor:
             self._roads[key] = world.roads.among(standing, body, posture)
         return self._roads[key]
 
-    def _carrying(self, index: int, grasp: Grasp, body: Body) -> Floats | None:
-        """The posture in which the robot, its body with all that it holds, carries an object."""
-        key = ("carrying", self.world.kinds[index], grasp, len(body.frame))
-        return self.world.memory.answer(
-            "carrying", key, lambda: carrying(self.world.robot, body, None, self._seed(key))
-        )
+    def _carrying(
+        self, index: int, grasp: Grasp, body: Body, riders: Sequence[Part]
+    ) -> Floats | None:
+        """The posture in which the robot, its body with all that it holds, carries an object;
+        level where something stands on that."""
+        load = tuple((part.solid, part.pose.tobytes()) for part in riders)
+        key = (self.world.kinds[index], grasp, load)
+        robot, memory, seed = self.world.robot, self.world.memory, self._seed("carrying", grasp)
+        if not riders:
+            return memory.answer("carrying", key, lambda: carrying(robot, body, seed))
+        up = grasp.up.round(6)
+        among = memory.answer("level", up.tobytes(), lambda: level.postures(robot, up))
+        return memory.answer("carrying", key, lambda: carrying(robot, body, seed, among))
 
     def carried(self, state: State) -> tuple[Body | None, Floats | None]:
         """The robot's boxes with the object that it carries, and its posture; None where it
@@ -316,7 +338,7 @@ class Executor:
         riders = world.rider_parts(state.placements, state.held)
         parts = tuple(Part(p.solid, compose(standing, p.pose)) for p in riders)
         body = world.robot.body(grip.closed, held_parts(item, state.grasp.tool) + parts)
-        return body, self._carrying(state.held, state.grasp, body)
+        return body, self._carrying(state.held, state.grasp, body, riders)
 
 
 def within_reach(

@@ -68,7 +68,8 @@ def handling_of(motion: Motion) -> Handling | None:
         return None
     lines: list[list[ArmMove]] = []
     for way in ways:
-        moves = [piece for piece in way if isinstance(piece, ArmMove) and not piece.along]
+        # What stands on what is held might not stay there in another motion than that of X.
+        moves = [p for p in way if isinstance(p, ArmMove) and not p.along and p.pace == 1.0]
         if len(moves) != len(way) or len(moves) < 2:
             return None
         lines.append(moves)

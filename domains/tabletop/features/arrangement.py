@@ -24,9 +24,11 @@ from domains.tabletop.features.clearing import NEVER
 from domains.tabletop.features.goals import GoalSites
 from domains.tabletop.features.swept import HEADINGS, STEP
 from domains.tabletop.footprints import footprints_meet
+from domains.tabletop.loads import load_of, tall
 from domains.tabletop.state import Grasp, Placement
 from runtime.kernels.plane import point_distance
-from runtime.world.poses import Floats
+from runtime.world.packed import upright_row
+from runtime.world.poses import Floats, compose
 
 if TYPE_CHECKING:
     from domains.tabletop.world import Ints, Placements, SiteHold, TabletopWorld
@@ -136,7 +138,7 @@ class Arrangement:
                 sites, holds, heights, owns, boxes, world.hand.sweeps[family], 0.0
             )
             np.fill_diagonal(barred, 0)
-            _bar_riders(world, placements, boxes, barred)
+            _bar_riders(world, placements, family, boxes, sites, holds, heights, barred)
             counts = swept.bar_counts(barred, present, reachable)
             picks[family] = Picks(barred, holds, heights, reachable, counts)
         return cls(world, placements, boxes, sites, present, picks)
@@ -201,7 +203,7 @@ class Arrangement:
         )
         np.fill_diagonal(barred, 0)
         if stacked:
-            _bar_riders(world, placements, boxes, barred)
+            _bar_riders(world, placements, family, boxes, sites, holds, heights, barred)
             return Picks(
                 barred, holds, heights, reachable, swept.bar_counts(barred, present, reachable)
             )
@@ -293,7 +295,8 @@ class Arrangement:
         yaw = goal.world_yaw
         hold = world.place_hold(index, family, yaw, grasp)
         face = 0 if grasp is None else grasp.face
-        key = (goal.key, world.kinds[index], family, face, hold.key)
+        load = load_of(world, self.placements, index) if world.owned else ()
+        key = (goal.key, world.kinds[index], family, face, hold.key, load)
         known = self.places.get(key)
         if known is None:
             reachable = world.reachable_goal(goal, index, family, hold, face)
@@ -305,6 +308,7 @@ class Arrangement:
                 owner = world.grounds[goal.support].owner
                 assert owner is not None
                 barred[:, owner] = 0
+            barred[:, list(load)] = 0  # that goes with it
             counts = swept.bar_counts(barred, self.present, reachable)
             known = Places(goal, hold, known.own, barred, counts, reachable)
             self.places[key] = known
@@ -341,6 +345,10 @@ class Arrangement:
         if index in self.world.owned:
             found |= set(np.flatnonzero(_borne(self.boxes, index) & (self.present > 0)).tolist())
         return sorted(found)
+
+    def can_be_taken(self, index: int) -> bool:
+        """Whether nothing rests on an object, or only what is carried along."""
+        return set(self.bears(index)) <= set(load_of(self.world, self.placements, index))
 
     def standing_on(self, index: int) -> frozenset[int]:
         """An object, and those that it stands on."""
@@ -422,17 +430,16 @@ class Arrangement:
         """How many objects bar the way to take an object as a turn does; none where it is held."""
         if not self.present[index]:
             return 0
-        k = self._heading(turn, index)
-        found = int(self.picks[turn.family].counts[index, k])
-        if extra is not None:
-            found += (int(self._pick_barred(turn.family, index, extra.box)[0]) >> k) & 1
-        return found
+        bits, counts = self._headings(turn, index), self.picks[turn.family].counts[index]
+        plus = 0 if extra is None else int(self._pick_barred(turn.family, index, extra.box)[0])
+        near = [k for k in range(HEADINGS) if (bits >> k) & 1]
+        return min(int(counts[k]) + ((plus >> k) & 1) for k in near)
 
-    def _heading(self, turn: Turn, index: int) -> int:
-        """The number of the heading along which a turn takes an object where it rests."""
+    def _headings(self, turn: Turn, index: int) -> int:
+        """Bits of the headings next to that along which a turn takes an object where it rests."""
         at = self.world.rests(self.placements, index)
         assert at is not None
-        return swept.heading_bit(turn.angle + at[3])
+        return swept.near_headings(turn.angle + at[3])
 
     def _of_picking(self, index: int, families: Sequence[int], extra: Thought | None) -> int:
         """The cost of taking away what is in the way of picking an object up."""
@@ -506,7 +513,7 @@ class Arrangement:
         costs[index] = -1
         pick, pickable = np.append(picks.barred[index], 0), int(picks.reachable[index])
         if turn is not None and self.present[index]:
-            pickable &= 1 << self._heading(turn, index)
+            pickable &= self._headings(turn, index)
         place, reachable = np.zeros((1, len(costs)), dtype=np.int64), np.array([swept.ALL])
         if not placeable:
             plus = np.zeros((len(goal.xyz), 1), dtype=np.int64)
@@ -617,7 +624,11 @@ class Arrangement:
         at = world.rests_at(self.placements, index, placement)
         if at is None:
             return 1  # on something in the hand, or on what stands on the object itself
-        extra = Thought(self, index, world.box_row(index, at, placement.face))
+        box = world.box_row(index, at, placement.face)
+        if world.owned:
+            box[5] = tall(world, self.placements, index, placement.face) / 2
+            box[2] = at[2] + box[5]
+        extra = Thought(self, index, box)
         owner = world.grounds[placement.support].owner
         below = frozenset() if owner is None else self.standing_on(owner)
         others = frozenset(i for i in misplaced if i != index and self.present[i])
@@ -743,12 +754,38 @@ def _is_stacked(world: TabletopWorld, placements: Placements, boxes: Floats) -> 
     return any(_borne(boxes, int(owners[i])).any() for i in np.flatnonzero(level.any(axis=1)))
 
 
-def _bar_riders(world: TabletopWorld, placements: Placements, boxes: Floats, barred: Ints) -> None:
-    """What rests on an object bars all ways to it, unless it is carried along."""
+def _bar_riders(
+    world: TabletopWorld,
+    placements: Placements,
+    family: int,
+    boxes: Floats,
+    sites: Floats,
+    holds: Floats,
+    heights: Floats,
+    barred: Ints,
+) -> None:
+    """What rests on an object bars all ways to it; where it is carried along, only those that
+    it is in. What stands in a tray is barred by its walls, not by the box around it."""
+    hand = world.hand.sweeps[family]
     for i in world.owned:
+        stands = world.pose(placements, i)
+        if stands is not None and len(world.items[i].parts) > 1:
+            inside = world.standing_in(placements, i)
+            parts = world.item(i, face_of(placements[i])).parts
+            rows = np.array([upright_row(p.solid, compose(stands, p.pose)) for p in parts])
+            walls = swept.barred_matrix(
+                sites[inside], holds[inside], heights[inside], np.zeros((len(inside), 2)), rows,
+                hand, 0.0,
+            )  # fmt: skip
+            barred[inside, i] = np.bitwise_or.reduce(walls, axis=1)
         barred[i, _borne(boxes, i)] = swept.ALL
         for rider in world.riders(placements, i):
             barred[i, rider] = swept.ALL
+        load, one = list(load_of(world, placements, i)), slice(i, i + 1)
+        if load:
+            barred[i, load] = swept.barred_matrix(
+                sites[one], holds[one], heights[one], np.zeros((1, 2)), boxes[load], hand, 0.0
+            )[0]
 
 
 LEVEL = 0.006

@@ -33,6 +33,9 @@ PLAY = 0.002
 UNREACHABLE = 1_000_000
 """Added to the count of a heading from which the arm cannot come at all."""
 
+BETWEEN = 0.25
+"""Share of a step beyond which a heading is between two."""
+
 LEVEL = 1e-3
 """Metres by which things above each other may overlap in height and count as apart."""
 
@@ -40,6 +43,14 @@ LEVEL = 1e-3
 def heading_bit(heading: float) -> int:
     """The number of the heading (radians) that is nearest."""
     return round(heading / STEP) % HEADINGS
+
+
+def near_headings(heading: float) -> int:
+    """Bits of the headings next to one (radians): one, or two where it is between them."""
+    place = heading / STEP
+    low = math.floor(place)
+    near = {low + (place - low > BETWEEN), low + (place - low > 1 - BETWEEN)}
+    return sum(1 << k % HEADINGS for k in near)
 
 
 @njit(cache=True)

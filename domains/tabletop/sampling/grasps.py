@@ -14,7 +14,7 @@ from domains.tabletop.features.functions import (
     misplaced,
     obstructions,
 )
-from domains.tabletop.features.swept import HEADINGS, STEP, heading_bit
+from domains.tabletop.features.swept import HEADINGS, STEP, near_headings
 from domains.tabletop.sampling.draw import GRASPS, Draw, pick_headings
 from domains.tabletop.state import Grasp, State
 from domains.tabletop.world import TabletopWorld
@@ -66,7 +66,6 @@ class GraspSampler:
                 return []
             # The estimate may be wrong: try what geometry allows at all.
             free = int(here.picks[family].reachable[index])
-        free = self._turnable(state, index, family, free) or free
         free = self._placeable(state, index, family, free) or free
         number = GRASPS * draw.scale
         narrow = free & _narrow(hold.rows[:, 0], hold.fits)
@@ -74,7 +73,8 @@ class GraspSampler:
         if len(headings) < number:
             headings += pick_headings(free & ~narrow, number - len(headings), rng)
         # What the estimate holds for best stays in; what is tried besides strays from it.
-        angles = [float(hold.angles[k]) for k in headings]
+        angles = self._turnable(state, index, family, free)[:number]
+        angles = angles or [float(hold.angles[k]) for k in headings]
         if attempt > 0:
             strays = pick_headings(swept.ALL & hold.fits if draw.doubting else free, number, rng)
             angles += [k * STEP + rng.uniform(-STEP / 2, STEP / 2) for k in strays]
@@ -110,22 +110,22 @@ class GraspSampler:
         hold = world.hold(index, family, at[3])
         return (free & fitting & _narrow(hold.rows[:, 0], hold.fits)) or (free & fitting)
 
-    def _turnable(self, state: State, index: int, family: int, free: int) -> int:
-        """Those of some headings with which an object that has to be put on another face can be
-        turned there."""
-        world, placement, at = self.world, state.placements[index], None
+    def _turnable(self, state: State, index: int, family: int, free: int) -> list[float]:
+        """The headings along which an object that has to be put on another face can be taken,
+        where they are next to free ones; none where it need not be."""
+        world, placement = self.world, state.placements[index]
+        at = world.rests(state.placements, index)
         goal = world.goal_sites(index, arrangement(world, state.placements))
         faces = faces_at(world, index, goal)
-        if placement is not None and faces != (placement.face,):
-            at = world.rests(state.placements, index)
-        if at is None or placement is None:
-            return free
-        fitting = 0
-        for face in faces:
-            for turn in turns(world, index, placement.face, face):
-                if turn.family == family:
-                    fitting |= 1 << heading_bit(turn.angle + at[3])
-        return free & fitting
+        if placement is None or at is None or faces == (placement.face,):
+            return []
+        angles = {
+            turn.angle + at[3]
+            for face in faces
+            for turn in turns(world, index, placement.face, face)
+            if turn.family == family and free & near_headings(turn.angle + at[3])
+        }
+        return sorted(angles)
 
     def regrasps(self, draw: Draw, face: int) -> Picks:
         """Other grasps of the held object: where it cannot go to its goal with the grasp

@@ -20,6 +20,7 @@ from domains.tabletop.features.functions import (
 from domains.tabletop.features.goals import GoalSites
 from domains.tabletop.features.swept import STEP, heading_bit
 from domains.tabletop.footprints import footprints_meet
+from domains.tabletop.loads import tall
 from domains.tabletop.room import INSET, room_on
 from domains.tabletop.sampling.draw import PLACEMENTS, Draw, pick_headings
 from domains.tabletop.state import PINCH, Grasp, Placement, State
@@ -212,7 +213,8 @@ class PlacementSampler:
         frame = (0.0, 0.0, 0.0, 0.0)
         if ground.owner is not None:
             frame = world.bearer(draw.state.placements, ground.owner) or AWAY
-        if spans is None or item.size[2] > ground.clearance - INSET or frame is AWAY:
+        height = tall(world, draw.state.placements, index, grasp.face)
+        if spans is None or height > ground.clearance - INSET or frame is AWAY:
             return []
         radius = item.outer_radius if turns is None else item.inner_radius
         found: list[Placement] = []
@@ -258,12 +260,12 @@ class PlacementSampler:
         """Whether something stands at a site (3,) where the held object would, or is too near."""
         world, (index, grasp) = self.world, draw.held
         here = arrangement(world, draw.state.placements)
-        tall = world.item(index, grasp.face).size[2]
-        own = np.array([radius, tall])
+        height = tall(world, draw.state.placements, index, grasp.face)
+        own = np.array([radius, height])
         skip = -1 if below is None else below
         if swept.occupied_sites(site[None], own, here.boxes, skip)[0]:
             return True
-        low, high = site[2], site[2] + tall
+        low, high = site[2], site[2] + height
         return bool(swept.nearest_static(site[0], site[1], world.statics, low, high) < radius)
 
     def _heading(

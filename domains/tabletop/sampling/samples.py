@@ -48,7 +48,7 @@ class Samples:
         if state.held is None:
             for index, grasps in self.picks:
                 placement = state.placements[index]
-                if placement is not None and not standing.bears(index):
+                if placement is not None and standing.can_be_taken(index):
                     targets.extend(
                         (index, placement, grasp)
                         for grasp in grasps
