@@ -8,6 +8,7 @@ import numpy as np
 
 from domains.tabletop.faces import faces_at, turns
 from domains.tabletop.features import swept
+from domains.tabletop.features.arrangement import Arrangement
 from domains.tabletop.features.functions import (
     arrangement,
     disturbances,
@@ -164,9 +165,14 @@ class GraspSampler:
             and not self.ready(state)
         )
 
+    def _can_come(self, here: Arrangement, index: int) -> bool:
+        """Whether nothing bars some way to an object."""
+        return any(here.free_headings(index, family) for family in self.world.families)
+
     def _relevant(self, draw: Draw) -> list[int]:
         """Misplaced objects that nothing obstructs or disturbs, then other misplaced ones and
-        those in their way, the nearest first; all after a failure."""
+        those that have to go first, as far as nothing bars them, the nearest first; all after a
+        failure."""
         world, state = self.world, draw.state
         here = arrangement(world, state.placements)
         standing = [i for i in range(len(state.placements)) if here.present[i]]
@@ -179,7 +185,8 @@ class GraspSampler:
                 goal = world.goal_sites(index, here)
                 if goal is not None:
                     relevant |= set(here.in_the_way(index, goal))
-            standing = [i for i in standing if i in relevant]
+            # What is barred itself has to wait, and is not to keep others out of the nearest.
+            standing = [i for i in standing if i in relevant and self._can_come(here, i)]
         x, y, _ = state.base.pose
         away = (here.sites[:, 0] - x) ** 2 + (here.sites[:, 1] - y) ** 2
         nearest = sorted(standing, key=lambda i: (i not in ready, away[i]))
