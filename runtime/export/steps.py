@@ -17,6 +17,7 @@ from runtime.robot.controllers import unmoved
 from runtime.robot.model import Floats
 from runtime.trace.model import Grip, Trace
 from runtime.trace.track import Track
+from sketchlang.analysis.words import counted
 from sketchlang.errors import InputError
 
 STILL = 1e-5
@@ -177,4 +178,6 @@ def summary(steps: Sequence[Step]) -> str:
     """How many steps there are, and how long they take, in one line."""
     controllers = {goal.controller.name for step in steps for goal in step.goals}
     took = sum(step.duration for step in steps)
-    return f"{len(steps)} steps for {len(controllers)} controllers, {took:.0f} s"
+    return (
+        f"{counted(len(steps), 'step')} for {counted(len(controllers), 'controller')}, {took:.0f} s"
+    )

@@ -14,7 +14,7 @@ from runtime.trial.explore import Explored, Seen, climb, explore
 from runtime.trial.width import Width, width_of
 from sketchlang.analysis.limits import Budget
 from sketchlang.analysis.termination import NonTerminating, decide_termination
-from sketchlang.analysis.words import cube, listed
+from sketchlang.analysis.words import counted, cube, listed
 from sketchlang.checking.checker import CheckedSketch
 from sketchlang.compile import CompiledSketch, compile_sketch
 from sketchlang.compile.errors import shown
@@ -147,8 +147,9 @@ class Examiner:
                 continue
             top = climb(problem, guide, f, self.effort.climb, self.limits, self.rng)
             if top is not None:
+                after = counted(len(top.actions()), "action")
                 text = (
-                    f"{feature.name} is declared bounded, but after {len(top.actions())} actions "
+                    f"{feature.name} is declared bounded, but after {after} "
                     f"it is {top.values[f]} and still rises"
                 )
                 self._tell("bounded", f, text, scene, top)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from sketchlang.analysis.bits import rule_bits
 from sketchlang.analysis.proof import Drop, Node, Potential, Ranks, Split, Step, Term, Tree
-from sketchlang.analysis.words import cube, listed, literal, rule_names
+from sketchlang.analysis.words import counted, cube, listed, literal, rule_names
 from sketchlang.model import Kind, SketchModel
 
 MOST_BLOCKS = 8
@@ -101,7 +101,9 @@ class _Writer:
     def ranks(self, step: Ranks) -> str:
         names = rule_names(self.model, step.rules)
         subject = listed(names) if len(names) <= MOST_NAMED else f"the {len(names)} rules left"
-        count = f"{1 << len(step.features):,} valuations of {len(step.features)} features"
+        count = (
+            f"{1 << len(step.features):,} valuations of {counted(len(step.features), 'feature')}"
+        )
         if len(step.tables) == 1:
             return f"All {count} can be put in an order in which none of {subject} leads back."
         return (
@@ -130,7 +132,9 @@ class _Writer:
         idle = sum(not block.rules for block in step.blocks)
         hidden = len(step.blocks) - idle - len(shown)
         if hidden:
-            lines.append(f"{indent}... and {hidden} more groups; the certificate has them all.")
+            lines.append(
+                f"{indent}... and {counted(hidden, 'more group')}; the certificate has them all."
+            )
         if idle and shown:
             lines.append(f"{indent}Elsewhere none of them can fire twice.")
         elif idle:

@@ -10,7 +10,7 @@ from typing import Any
 from sketchlang.analysis.bits import members
 from sketchlang.analysis.coverage import Coverage, Gap, Obstacle, Overlap, find_coverage
 from sketchlang.analysis.cubes import Cube, TooManyCubesError
-from sketchlang.analysis.words import Position, cube, listed, literal
+from sketchlang.analysis.words import Position, counted, cube, listed, literal
 from sketchlang.diagnostics import Diagnostic, Label, Severity
 from sketchlang.model import NO_SPAN, Invariant, Kind, Literal, Or, Rule, SketchModel
 from sketchlang.source import Source
@@ -37,16 +37,16 @@ def as_text(
     """The findings, or that there are none."""
     lines: list[str] = []
     if found.gaps:
-        verb = "has" if found.uncovered == 1 else "have"
         lines.append(
-            f"{model.name}: {found.uncovered:,} of {found.possible:,} valuations {verb} no rule."
+            f"{model.name}: no rule for {found.uncovered:,} of "
+            f"{counted(found.possible, 'valuation')}."
         )
         for gap in found.gaps[:MOST_GAPS]:
             lines += ["", f"  {cube(model, *gap.cube)}"]
             lines += [f"    {_obstacle(model, o, position)}" for o in gap.obstacles]
         if len(found.gaps) > MOST_GAPS:
             more = len(found.gaps) - MOST_GAPS
-            lines += ["", f"  ... and {more:,} more groups; --json lists them all."]
+            lines += ["", f"  ... and {counted(more, 'more group')}; --json lists them all."]
         if model.goal is None:
             lines += ["", "The sketch has no goal: some of these may be where it should end."]
         proposal = _invariant(model, found.gaps[0])
@@ -122,7 +122,7 @@ def warnings(
         result = [
             Diagnostic(
                 "uncovered",
-                f"{found.uncovered:,} of {found.possible:,} valuations have no rule, "
+                f"no rule for {found.uncovered:,} of {counted(found.possible, 'valuation')}, "
                 f"{cube(model, *gaps[0].cube)} for one",
                 start,
                 hint="`sketchlang coverage` lists them.",

@@ -54,4 +54,4 @@ def listed(words: Sequence[str], last: str = "and") -> str:
 
 def counted(number: int, noun: str, plural: str | None = None) -> str:
     """A number and its noun, in the plural where that is due."""
-    return f"{number} {noun if number == 1 else plural or noun + 's'}"
+    return f"{number:,} {noun if number == 1 else plural or noun + 's'}"

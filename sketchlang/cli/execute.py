@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NoReturn
 
 import click
 
+from sketchlang.analysis.words import counted
 from sketchlang.cli import names
 from sketchlang.cli.common import (
     check_outputs,
@@ -154,8 +155,8 @@ def summary(report: Report, name: str, robot: TraceRobot) -> list[str]:
         1000 * error for error in largest_errors(report, robot).values()
     )
     lines = [
-        f"{name}: {verdict}, {near} of {len(report.objects)} objects within 10 mm of the plan, "
-        f"{report.duration:.0f} s",
+        f"{name}: {verdict}, {near} of {counted(len(report.objects), 'object')} within 10 mm of "
+        f"the plan, {report.duration:.0f} s",
         f"  tracking, largest  base {base:.1f} mm {heading:.1f} mrad, "
         f"joints {turning:.1f} mrad {sliding:.1f} mm",
     ]
@@ -235,8 +236,8 @@ def _closed(
             say(f"{event.time:8.1f} s  {event.kind:<12} {event.text}")
         say(
             f"{'goal reached' if verdict.goal_reached else verdict.reason}: "
-            f"{verdict.subplans} subplans, {verdict.broken_off} broken off, "
-            f"{len(verdict.touches)} touches, {verdict.duration:.0f} s"
+            f"{counted(verdict.subplans, 'subplan')}, {verdict.broken_off} broken off, "
+            f"{counted(len(verdict.touches), 'touch', 'touches')}, {verdict.duration:.0f} s"
         )
     if trace is not None:
         _tell_of_trace(trace, happened, as_json)

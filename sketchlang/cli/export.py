@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from sketchlang.analysis.words import counted
 from sketchlang.cli.common import (
     Number,
     check_outputs,
@@ -162,4 +163,5 @@ def _write_steps(
         say(f"{summary(steps)}, written to {steps_file}")
     if moveit_file is not None:
         write_text(moveit_file, json.dumps(moveit(trace, steps, frame), indent=1) + "\n")
-        say(f"planning scene and {len(steps)} trajectories written to {moveit_file}")
+        trajectories = counted(len(steps), "trajectory", "trajectories")
+        say(f"planning scene and {trajectories} written to {moveit_file}")

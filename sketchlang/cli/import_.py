@@ -8,6 +8,7 @@ from types import ModuleType
 
 import click
 
+from sketchlang.analysis.words import counted
 from sketchlang.cli import names
 from sketchlang.cli.common import check_outputs, fail, interruptible, say
 
@@ -117,7 +118,7 @@ def tmp(
     except InputError as error:
         fail(error)
     objects = sum(1 for _ in problem.movable())
-    say(f"{out}: {objects} objects, {len(wanted.goals)} goals")
+    say(f"{out}: {counted(objects, 'object')}, {counted(len(wanted.goals), 'goal')}")
     say(*(f"note: {note}" for note in (*notes, *more)))
     with_robot = "" if robot is None else f" --robot {robot}"
     say(f"plan it: sketchlang run pick_and_place {out}{with_robot}")
@@ -157,5 +158,6 @@ def _translate(reader: ModuleType, file: Path, domain_pddl: str, out: Path | Non
         say(*source.text.rstrip().splitlines())
     else:
         write_text(out, source.text)
-        say(f"{out}: {len(policy.rules)} rules, {len(loaded.checked.model.features)} features")
+        features = counted(len(loaded.checked.model.features), "feature")
+        say(f"{out}: {counted(len(policy.rules), 'rule')}, {features}")
     raise SystemExit(0 if loaded.ok else 1)

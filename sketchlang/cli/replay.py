@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from sketchlang.analysis.words import counted
 from sketchlang.cli.common import (
     Number,
     check_outputs,
@@ -126,7 +127,7 @@ def command(
             from runtime.show.pictures import write_pictures
 
             paths = write_pictures(found, png, Bar("pictures"), warn)
-            say(f"{len(paths)} pictures written to {png}")
+            say(f"{counted(len(paths), 'picture')} written to {png}")
         for film in (mp4, gif):
             if film is not None:
                 from runtime.show.pictures import write_film

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from sketchlang.analysis.words import counted
 from sketchlang.cli import names
 from sketchlang.cli.common import fail, interruptible, say
 
@@ -138,9 +139,9 @@ def _describe(robot: RobotModel) -> None:
     from runtime.robot.approach import Family
 
     gripper, base = robot.gripper, robot.base
-    say(f"{robot.name}: {len(robot.joints)} joints, {base.type} base")
+    say(f"{robot.name}: {counted(len(robot.joints), 'joint')}, {base.type} base")
     opens = f"{1000 * gripper.min_opening:.0f} to {1000 * gripper.max_opening:.0f} mm"
-    say(f"  gripper: {opens}, {len(gripper.joints)} finger joints")
+    say(f"  gripper: {opens}, {counted(len(gripper.joints), 'finger joint')}")
     for family in Family:
         reaches = robot.derived.workspaces[family].reaches
         text = (

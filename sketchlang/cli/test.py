@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from sketchlang.analysis.words import counted
 from sketchlang.cli import names
 from sketchlang.cli.common import Number, domain_option, fail, interruptible, load_valid, say
 
@@ -187,13 +188,15 @@ def _print(trial: Trial, k_max: int, files: list[Path]) -> None:
         say(f"{'error' if finding.is_error else 'warning'}[{finding.kind}]: {finding.text}")
         if finding.scene is not None:
             after = len(finding.actions)
-            say(f"  {finding.scene}, {f'after {after} actions' if after else 'at the start'}")
+            when = f"after {counted(after, 'action')}" if after else "at the start"
+            say(f"  {finding.scene}, {when}")
             say(f"  {finding.state}")
         say("")
     for scene, count in trial.states.items():
         width = _width(trial.by_scene.get(scene, 0), k_max)
-        say(f"{scene}: {'all ' if trial.complete[scene] else ''}{count:,} states, width {width}")
-    say(f"{trial.subproblems:,} subproblems, width {_width(trial.width(), k_max)}:")
+        every = "all " if trial.complete[scene] and count > 1 else ""
+        say(f"{scene}: {every}{counted(count, 'state')}, width {width}")
+    say(f"{counted(trial.subproblems, 'subproblem')}, width {_width(trial.width(), k_max)}:")
     for rule in (*(rule.name for rule in trial.model.rules), "goal"):
         if rule in trial.widths:
             say(f"  {rule}: {_width(trial.widths[rule], k_max)}")
@@ -202,7 +205,8 @@ def _print(trial: Trial, k_max: int, files: list[Path]) -> None:
     for file in files:
         say(f"written: {file}")
     errors = sum(finding.is_error for finding in trial.findings)
-    say(f"{name}: {errors} errors, {len(trial.findings) - errors} warnings")
+    warnings = counted(len(trial.findings) - errors, "warning")
+    say(f"{name}: {counted(errors, 'error')}, {warnings}")
 
 
 def _width(width: int | None, k_max: int) -> str:

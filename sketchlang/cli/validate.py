@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NoReturn
 
 import click
 
+from sketchlang.analysis.words import counted
 from sketchlang.cli import names
 from sketchlang.cli.common import domain_pddl_option, fail, interruptible, say
 
@@ -109,7 +110,7 @@ def command(
             _say_finding(finding.action, finding.message, document)
     elif certificate.valid:
         say(
-            f"{plan} is valid: {certificate.actions} actions on {document.scene}, "
+            f"{plan} is valid: {counted(certificate.actions, 'action')} on {document.scene}, "
             f"{certificate.samples} robot configurations free of collision, goal reached"
         )
     else:
@@ -128,8 +129,6 @@ def _say_finding(number: int | None, message: str, plan: Plan) -> None:
 
 def _say_partial(path: Path, reason: str, subgoals: int | None, actions: int) -> None:
     """That a file is a partial plan, how far it goes, and why not further."""
-    from sketchlang.analysis.words import counted
-
     after = "" if subgoals is None else f"{counted(subgoals, 'subgoal')} and "
     say(f"{path} is a partial plan, of {after}{counted(actions, 'action')}: {reason}")
 
@@ -164,8 +163,8 @@ def _validate_pddl(
         click.echo(json.dumps({**report, "actions": len(document.steps), "cost": verdict.cost}))
     elif valid:
         say(
-            f"{plan} is valid: {len(document.steps)} actions on {task}, cost {verdict.cost}, "
-            "goal reached"
+            f"{plan} is valid: {counted(len(document.steps), 'action')} on {task}, "
+            f"cost {verdict.cost}, goal reached"
         )
     else:
         if reason is None:

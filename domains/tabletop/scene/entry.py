@@ -208,7 +208,7 @@ class Entry:
             return default
         close = difflib.get_close_matches(key, [k for k in self.data if k not in self._asked], 1)
         self._asked.update(dict.fromkeys(close))
-        hint = f"did you mean it by {close[0]!r}?" if close else None
+        hint = f"is {close[0]!r} a slip for it?" if close else None
         self.problem(close[0] if close else None, f"the key {key!r} is missing", hint)
         return stand_in
 
