@@ -55,7 +55,8 @@ def summary(report: dict[str, Any]) -> list[str]:
         lines.append(f"not solved after {seconds:.2f} s: {report['reason']}")
         if "stuck" in report:
             values = ", ".join(f"{name} = {value}" for name, value in report["stuck"].items())
-            lines.append(f"after {counted(subplans, 'subgoal')} the features are {values}")
+            when = f"after {counted(subplans, 'subgoal')}" if subplans else "at the start"
+            lines.append(f"{when} the features are {values}")
         lines += [f"  {finding['text']}" for finding in report["why"]]
     fired = ", ".join(f"{rule} {count}x" for rule, count in report["rules_fired"].items())
     if fired:

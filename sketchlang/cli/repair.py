@@ -161,7 +161,7 @@ def _print(
     if chosen is not None:
         say(f"{name}: proposal {chosen} was written. It terminates now.")
     else:
-        say(f"{name} does not terminate. After each of these changes it does, that is proved:")
+        say(f"{name} does not terminate. After each of these changes it does, as is proved:")
     for number, offer in enumerate(offers, start=1):
         head = f"{number}. " if chosen is None else ""
         smallest = "" if offer.proposal.smallest else ", not the smallest that there is"
