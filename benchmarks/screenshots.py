@@ -1,12 +1,13 @@
 """The pictures of the docs: `python -m benchmarks.screenshots docs/images`.
 
-Plans a scene of each task family, writes the replay page, and takes a picture of it in a
-headless Chromium.
+Plans a scene of each task family, writes the replay page, and takes pictures of it in a headless
+Chromium. `--moments FOLDER` takes ten pictures of each scene, to be looked at.
 """
 
 from __future__ import annotations
 
-import sys
+import argparse
+import base64
 import tempfile
 from pathlib import Path
 
@@ -16,29 +17,70 @@ from runtime.show.page import page
 from sketchlang.files import write_bytes, write_text
 
 SHOTS = (
-    ("sorting", "sorting/4t-07", 0.30),
-    ("non-monotonic", "non_monotonic/2t-11", 0.55),
-    ("words", "words/tamp", 0.93),
+    ("sorting", "sorting/4t-07", 0.30, "page"),
+    ("non-monotonic", "non_monotonic/2t-11", 0.55, "page"),
+    ("words", "words/tamp", 0.93, "page"),
+    ("kitchen", "kitchen/tidy", 0.62, "film"),
+    ("desk", "desk/sort", 0.42, "film"),
+    ("stack", "stack/tower", 0.85, "film"),
+    ("warehouse", "warehouse/shelves", 0.30, "film"),
 )
-"""Name of the picture, scene, and when: as a share of the time."""
+"""Name of the picture, scene, when (as a share of the time), and whether with the panel."""
+
+MOMENTS = 10
+
+
+class Photographer:
+    """A browser that shows one scene's replay at a time."""
+
+    def __init__(self, browser: Browser, folder: Path) -> None:
+        self.browser, self.folder = browser, folder
+
+    def open(self, scene: str, film: bool) -> None:
+        """Plan a scene and open its page."""
+        path = self.folder / "replay.html"
+        write_text(path, page(planned(scene, seed=0)))
+        self.browser.open(path)
+        script = "replay.theme(false); replay.speed(8); replay.camera('auto')"
+        self.browser.evaluate(f"{script}; replay.film({str(film).lower()})")
+
+    def at(self, share: float) -> bytes:
+        """The page at a share of the time, as JPEG."""
+        self.browser.evaluate(f"replay.seek({share} * replay.duration)")
+        self.browser.wait("replay.fresh")
+        options = {"format": "jpeg", "quality": 82}
+        return base64.b64decode(self.browser.call("Page.captureScreenshot", options)["data"])
 
 
 def take(folder: Path) -> list[Path]:
-    """Write the pictures into a folder; their paths."""
+    """Write the pictures of the docs into a folder; their paths."""
     paths = []
     with tempfile.TemporaryDirectory() as scratch, Browser(1200, 675) as browser:
-        for name, scene, share in SHOTS:
-            trace = planned(scene, seed=0)
-            file = Path(scratch) / f"{name}.html"
-            write_text(file, page(trace))
-            browser.open(file)
-            browser.evaluate(f"replay.seek({share * trace.duration})")
-            browser.wait("replay.fresh")
-            paths.append(folder / f"replay-{name}.png")
-            write_bytes(paths[-1], browser.screenshot())
+        photographer = Photographer(browser, Path(scratch))
+        for name, scene, share, kind in SHOTS:
+            photographer.open(scene, kind == "film")
+            paths.append(folder / f"replay-{name}.jpg")
+            write_bytes(paths[-1], photographer.at(share))
+    return paths
+
+
+def take_moments(folder: Path) -> list[Path]:
+    """Write ten pictures of each scene into a folder; their paths."""
+    paths = []
+    with tempfile.TemporaryDirectory() as scratch, Browser(800, 450) as browser:
+        photographer = Photographer(browser, Path(scratch))
+        for name, scene, _, _ in SHOTS:
+            photographer.open(scene, True)
+            for number in range(MOMENTS):
+                paths.append(folder / f"{name}-{number}.jpg")
+                write_bytes(paths[-1], photographer.at((number + 0.5) / MOMENTS))
     return paths
 
 
 if __name__ == "__main__":
-    for path in take(Path(sys.argv[1])):
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--moments", action="store_true")
+    chosen = parser.parse_args()
+    for path in (take_moments if chosen.moments else take)(chosen.folder):
         print(path)

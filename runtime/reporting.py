@@ -52,11 +52,11 @@ class Document(Protocol):
 class Watchable(Protocol):
     """A document with motions that can be watched."""
 
-    def show(self, sketch: Loaded, path: Path) -> None:
-        """Write the page to watch the plan in a browser.
+    def page(self, sketch: Loaded, start: float = 0.0) -> str:
+        """The page to watch the plan in a browser, which opens at a time.
 
         Raises:
-            InputError: there is nothing to watch, or the file cannot be written.
+            InputError: there is nothing to watch.
         """
         ...
 

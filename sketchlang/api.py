@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any
 from sketchlang.errors import InputError
 
 if TYPE_CHECKING:
+    from runtime.show.notebook import Embedded
     from runtime.solve import Result as TaskResult
     from sketchlang.analysis.termination import Verdict
     from sketchlang.diagnostics import Diagnostic
@@ -142,12 +143,28 @@ class Plan:
         Raises:
             InputError: the domain has no motions to show, or the file cannot be written.
         """
+        from sketchlang.files import write_text
+
+        write_text(Path(path), self._page())
+
+    def show(self, height: int = 560, start: float = 0.0) -> Embedded:
+        """The same page for a notebook: the value of a cell, `height` pixels high, which opens at
+        a time in seconds.
+
+        Raises:
+            InputError: the domain has no motions to show.
+        """
+        from runtime.show.notebook import Embedded
+
+        return Embedded(self._page(start), height)
+
+    def _page(self, start: float = 0.0) -> str:
         from runtime.reporting import Watchable
 
         plan = self.result.task.plan
         if not isinstance(plan, Watchable):
             raise InputError("the plan has no motions to show")
-        plan.show(self.result.sketch, Path(path))
+        return plan.page(self.result.sketch, start)
 
 
 def _loaded(sketch: str | Path | Loaded, domain: str | Path | None) -> Loaded:

@@ -37,16 +37,15 @@ class TabletopDocument:
         """Write the plan file."""
         write_plan(self.plan, path)
 
-    def show(self, sketch: Loaded, path: Path) -> None:
-        """Write the page to watch the plan in a browser."""
+    def page(self, sketch: Loaded, start: float = 0.0) -> str:
+        """The page to watch the plan in a browser, which opens at a time."""
         from runtime.show.page import page
         from runtime.trace.make import trace_of_plan
         from runtime.trace.sketch import trace_sketch
-        from sketchlang.files import write_text
 
         world = self.world
         trace = trace_of_plan(self.plan, world.scene.world, world.robot, trace_sketch(sketch))
-        write_text(path, page(trace))
+        return page(trace, start=start)
 
     def validate(self) -> Certificate:
         """Replay the plan in exact geometry."""

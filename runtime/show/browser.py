@@ -15,6 +15,8 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -153,6 +155,15 @@ class Browser:
         message, _, self._rest = self._rest.partition(b"\0")
         found: dict[str, Any] = json.loads(message)
         return found
+
+    @contextmanager
+    def within(self, session: str) -> Iterator[None]:
+        """Speak to another target, a frame of the page: its session was in an event."""
+        outer, self._session = self._session, session
+        try:
+            yield
+        finally:
+            self._session = outer
 
     def evaluate(self, expression: str) -> Any:
         """The value of a JavaScript expression; promises are awaited."""

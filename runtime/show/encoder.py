@@ -30,11 +30,11 @@ FILM = Kind(
 )
 
 PALETTE = (
-    "scale=640:-2:flags=lanczos,split[a][b];[a]palettegen=max_colors=96:stats_mode=diff[p];"
+    "scale=560:-2:flags=lanczos,split[a][b];[a]palettegen=max_colors=80:stats_mode=diff[p];"
     "[b][p]paletteuse=dither=none:diff_mode=rectangle"
 )
-MOVING = Kind(".gif", 10.0, (1280, 720), ("-filter_complex", PALETTE, "-loop", "0", "-f", "gif"))
-"""For READMEs: small, ten frames a second."""
+MOVING = Kind(".gif", 8.0, (960, 540), ("-filter_complex", PALETTE, "-loop", "0", "-f", "gif"))
+"""For READMEs: small, eight frames a second."""
 
 
 class Encoder:

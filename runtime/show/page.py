@@ -15,7 +15,7 @@ from runtime.trace.write import to_json
 from runtime.world.solids import Box
 from sketchlang.escape import all_visible, dumps, markup
 
-_PLACE = re.compile(r"@(TITLE|STYLE|PAYLOAD|THREE|SCRIPT|GRAPH)@")
+_PLACE = re.compile(r"@(TITLE|STYLE|PAYLOAD|START|THREE|SCRIPT|GRAPH)@")
 
 SCRIPTS = (
     *("time", "model", "letters", "pointer", "stage", "camera"),
@@ -24,8 +24,9 @@ SCRIPTS = (
 """The files of the page's script, in the order in which they need each other."""
 
 
-def page(trace: Trace, against: Trace | None = None) -> str:
-    """The HTML of a trace's replay, beside another one if there is one."""
+def page(trace: Trace, against: Trace | None = None, start: float = 0.0) -> str:
+    """The HTML of a trace's replay, beside another one if there is one; it opens at `start`
+    seconds."""
     title = f"{trace.world.name} · {trace.sketch.name}"
     payload = [_payload(each) for each in (trace, against) if each is not None]
     script = "\n".join(_asset(f"js/{name}.js") for name in SCRIPTS)
@@ -34,6 +35,7 @@ def page(trace: Trace, against: Trace | None = None) -> str:
         "STYLE": _asset("replay.css"),
         # A `<` within JSON is always in a string: it must not end or open an element.
         "PAYLOAD": dumps(all_visible(payload), compact=True).replace("<", "\\u003c"),
+        "START": f"{start:g}",
         "THREE": _script(_asset("three.min.js")),
         "SCRIPT": _script(f'"use strict";\n(() => {{\n{script}}})();\n'),
         "GRAPH": "" if against is not None else policy_svg(trace),

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from runtime.show.browser import Browser, find_browser
+from runtime.show.notebook import Embedded
 from runtime.show.page import page
 from runtime.trace.kinematics import Tree, links_at, object_at
 from runtime.trace.model import Event
@@ -210,4 +211,31 @@ def test_two_plans_stand_side_by_side(trace, tmp_path) -> None:
         moment = 10.0
         expected = next(a for a in reversed(trace.actions) if a.start <= moment)
         assert expected.text in browser.evaluate(captions)[1]
+        assert not [e for e in browser.events if e["method"] == "Runtime.exceptionThrown"]
+
+
+@needs_browser
+def test_a_notebook_shows_it_in_a_frame(trace, tmp_path) -> None:
+    path = tmp_path / "notebook.html"
+    frame = Embedded(page(trace, start=12.5), 300)._repr_html_()
+    path.write_text(f"<!doctype html><title>notebook</title>{frame}", encoding="utf-8")
+    with Browser(640, 400) as browser:
+        # A frame that may reach nothing of its notebook is a target of its own.
+        attach = {"autoAttach": True, "waitForDebuggerOnStart": False, "flatten": True}
+        browser.call("Target.setAutoAttach", attach)
+        browser.call("Page.navigate", {"url": path.as_uri()})
+        browser.wait("document.querySelector('iframe')")
+        until, sessions = time.monotonic() + 60, []
+        while not sessions and time.monotonic() < until:
+            browser.evaluate("0")  # what happens meanwhile is read with the answer
+            found = [
+                e["params"] for e in browser.events if e["method"] == "Target.attachedToTarget"
+            ]
+            sessions = [e["sessionId"] for e in found if e["targetInfo"]["type"] == "iframe"]
+        with browser.within(str(sessions[0])):
+            browser.wait("window.replay && replay.frames > 0")
+            assert browser.evaluate("replay.time") == 12.5
+            assert str(browser.evaluate("document.getElementById('clock').textContent")).startswith(
+                "0:12 / "
+            )
         assert not [e for e in browser.events if e["method"] == "Runtime.exceptionThrown"]

@@ -52,35 +52,44 @@ const makeCamera = (stage, canvas) => {
   };
 
   // -- following the action ------------------------------------------------------------------
-  // One shot for each action that grips or lets go: the direction from which the hand is seen best.
-  const blocked = (point, eye) => {
-    const way = eye.clone().sub(point), far = way.length();
-    way.divideScalar(far);
-    const hit = stage.pointed(point.clone().addScaledVector(way, 0.12), way);
-    return hit && hit.distance < far - 0.3;
+  // Whether something fixed stands between a point and the eye; what moves is looked past.
+  stage.model.pose(0);
+  const things = stage.boxes.filter(({ fixed }) => fixed).map(({ bone, box }) => ({
+    inverse: bone.matrixWorld.clone().invert(),
+    box: new T.Box3(new T.Vector3(...box), new T.Vector3(...[0, 1, 2].map((k) => box[k] + box[3 + k]))) }));
+  const ray = new T.Ray(), own = new T.Ray(), hit = new T.Vector3(), back = new T.Vector3();
+  const hidden = (point, eye) => {
+    back.subVectors(eye, ray.origin.set(...point));
+    const far = back.length();
+    ray.direction.copy(back.divideScalar(far));
+    ray.origin.addScaledVector(ray.direction, 0.12);
+    return things.some(({ inverse, box }) => own.copy(ray).applyMatrix4(inverse).intersectBox(box, hit)
+      && hit.distanceTo(own.origin) < far - 0.15);
   };
+  const eyeAt = ([x, y, z], azimuth, height, distance) => new T.Vector3(x + distance * Math.cos(height) * Math.cos(azimuth),
+    y + distance * Math.cos(height) * Math.sin(azimuth), z + distance * Math.sin(height));
+  const around = (angle) => Math.atan2(Math.sin(angle), Math.cos(angle));
+  // One shot for each action that grips or lets go: the direction from which the hand is seen best.
   const shots = [];
   const chooseShots = () => {
     let before = -2.1;
     for (const action of trace.actions.filter((action) => action.object)) {
       const grip = trace.grips.findLast((g) => g.object === action.object && g.time >= action.start && g.time <= action.end);
       const t = grip ? grip.time : (action.start + action.end) / 2;
-      stage.model.pose(t);
-      const point = new T.Vector3(...stage.toolAt(t)), [x, y] = at(trace.base, t);
-      const ahead = Math.atan2(point.y - y, point.x - x);
+      const point = stage.toolAt(t), [x, y] = at(trace.base, t), body = [x, y, chest], head = [x, y, chest + 0.45];
+      const ahead = Math.atan2(point[1] - y, point[0] - x), focus = mix(body, point, 0.55);
       let best = null;
-      for (const height of [0.42, 0.26, 0.72]) {
+      for (const height of [0.42, 0.26, 0.72, 1.0]) {
         for (let k = 0; k < 16; k++) {
-          const azimuth = k * Math.PI / 8;
-          const eye = point.clone().add(new T.Vector3(Math.cos(azimuth) * Math.cos(height), Math.sin(azimuth) * Math.cos(height), Math.sin(height)).multiplyScalar(2.6));
-          const off = Math.abs(Math.atan2(Math.sin(azimuth - ahead), Math.cos(azimuth - ahead)));
-          const turn = Math.abs(Math.atan2(Math.sin(azimuth - before), Math.cos(azimuth - before)));
+          const azimuth = k * Math.PI / 8, eye = eyeAt(focus, azimuth, height, 3);
+          const off = Math.abs(around(azimuth - ahead)), turn = Math.abs(around(azimuth - before));
+          const dark = 6 * hidden(point, eye) + 3 * hidden(body, eye) + 3 * hidden(head, eye);
           // From the side, a little from behind; not through the robot; not round and round.
-          const score = (blocked(point, eye) ? 3 : 0) + 1.2 * Math.abs(off - 1.9) + (off > 2.7 ? 1.5 : 0) + 0.7 * turn + (height === 0.42 ? 0 : 0.5);
+          const score = dark + 1.2 * Math.abs(off - 1.9) + (off > 2.7 ? 1.5 : 0) + 0.7 * turn + Math.abs(height - 0.42);
           if (!best || score < best.score) best = { score, azimuth, height };
         }
       }
-      best.azimuth = before + Math.atan2(Math.sin(best.azimuth - before), Math.cos(best.azimuth - before));
+      best.azimuth = before + around(best.azimuth - before);
       before = best.azimuth;
       shots.push({ start: action.start, end: action.end, ...best });
     }
@@ -93,6 +102,23 @@ const makeCamera = (stage, canvas) => {
     const s = smooth((t - here.end) / Math.max(1e-6, next.start - here.end));
     return { azimuth: here.azimuth + s * (next.azimuth - here.azimuth), height: here.height + s * (next.height - here.height), near };
   };
+  // How high the view has to be, second by second, for nothing fixed to stand before the robot: it
+  // is raised over a hanging cabinet, say, and comes down behind it.
+  const HEIGHTS = [0, 0.2, 0.4, 0.6, 0.8, 1], HIGHEST = 1.4; // radians
+  const raised = [];
+  const AHEAD = 4; // seconds before and after, since the view is smoothed over some
+  const raise = () => {
+    const needed = [];
+    for (let t = 0; t <= trace.duration + 1; t += 1) {
+      const { azimuth, height } = shotAt(t), [x, y] = at(trace.base, t), points = [[x, y, chest], [x, y, chest + 0.45], stage.toolAt(t)];
+      const free = HEIGHTS.find((more) => {
+        const eye = eyeAt([x, y, chest], azimuth, Math.min(HIGHEST, height + more), 4);
+        return points.every((point) => !hidden(point, eye));
+      });
+      needed.push(free === undefined ? HEIGHTS.at(-1) : free);
+    }
+    needed.forEach((_, i) => raised.push(Math.max(...needed.slice(Math.max(0, i - AHEAD), i + AHEAD + 1))));
+  };
   // Smoothed over a while that grows with the speed at which it is watched.
   const auto = (t, speed) => {
     const window = 0.9 * Math.max(1, speed);
@@ -103,7 +129,7 @@ const makeCamera = (stage, canvas) => {
       target = target.map((v, i) => v + w * focus[i]);
       near += w * shot.near;
       azimuth += w * shot.azimuth;
-      height += w * shot.height;
+      height += w * Math.min(HIGHEST, shot.height + raised[Math.min(raised.length - 1, Math.round(s))]);
       weight += w;
     }
     look(target.map((v) => v / weight), azimuth / weight, height / weight, 4.3 - 1.5 * near / weight);
@@ -113,7 +139,7 @@ const makeCamera = (stage, canvas) => {
   const aim = (t, speed) => {
     camera.up.set(0, 0, 1);
     if (mode === "auto") {
-      if (!shots.length) chooseShots();
+      if (!raised.length) { chooseShots(); raise(); }
       auto(t, speed);
     } else if (mode === "follow" || mode === "gripper") {
       const target = tracked(t);
@@ -140,7 +166,7 @@ const makeCamera = (stage, canvas) => {
   const choose = (name) => {
     if (!VIEWS.includes(name)) return;
     if (name !== "free") stale = true;
-    if (!shots.length) chooseShots();
+    if (!raised.length) { chooseShots(); raise(); }
     mode = name;
   };
   return { camera, orbit, aim, fit, choose, get mode() { return mode; } };

@@ -140,7 +140,7 @@ const makePlayer = (views, duration, timeOf) => {
     panel = made;
     pick("auto");
     const failure = failureOf(first);
-    if (failure) seek(failure.time);
+    seek(failure ? failure.time : Number(document.body.dataset.start));
     fromAddress();
     show();
     requestAnimationFrame(frame);

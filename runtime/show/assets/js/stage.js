@@ -25,7 +25,7 @@ const makeStage = (canvas, trace, scene) => {
 
   // -- how far it all reaches ----------------------------------------------------------------
   const boxes = scene.parts.flatMap((part) => part.layer !== "looks" || scene.nodes[part.node].kind === "link" ? []
-    : [{ bone: model.bones[part.node], box: part.box }]);
+    : [{ bone: model.bones[part.node], box: part.box, fixed: scene.nodes[part.node].kind === "fixed" }]);
   const bounds = new T.Box3();
   model.pose(0);
   for (const { bone, box } of boxes) {

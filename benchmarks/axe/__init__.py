@@ -1,0 +1,1 @@
+"""Accessibility of a replay page, by axe-core in a headless Chromium."""
