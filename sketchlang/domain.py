@@ -21,6 +21,7 @@ import functools
 import inspect
 import linecache
 import os
+import re
 import typing
 from collections.abc import Callable, Collection, Hashable, Iterable, Mapping
 from dataclasses import dataclass, field
@@ -88,6 +89,15 @@ class SceneError(Exception):
     the user and begins with the file's name."""
 
 
+_SENTENCE = re.compile(r"(?<=[.!?])\s")
+
+
+def first_sentence(text: str | None) -> str:
+    """The first sentence of a docstring, in one line."""
+    paragraph = " ".join((text or "").partition("\n\n")[0].split())
+    return _SENTENCE.split(paragraph, maxsplit=1)[0]
+
+
 @dataclass(frozen=True, slots=True)
 class Function:
     """A function of the domain as sketches see it; `call` takes the state first. `ignores`
@@ -108,8 +118,8 @@ class Function:
 
     @property
     def summary(self) -> str:
-        """The first line of its docstring."""
-        return (inspect.getdoc(self.call) or "").partition("\n")[0]
+        """The first sentence of its docstring."""
+        return first_sentence(inspect.getdoc(self.call))
 
     @property
     def position(self) -> str:

@@ -22,6 +22,7 @@ SECTIONS = {
         "scenes.md",
         "robots.md",
         "editors.md",
+        "inspect.md",
         "features.md",
         "pddl.md",
         "api.md",

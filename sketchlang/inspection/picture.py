@@ -9,7 +9,7 @@ from typing import Any
 
 from sketchlang.analysis.words import counted
 from sketchlang.checking.checker import CheckedSketch
-from sketchlang.domain import Domain, Function
+from sketchlang.domain import Domain, Function, first_sentence
 from sketchlang.escape import shown_line
 from sketchlang.loader import Loaded
 from sketchlang.syntax.formatter import format_tree
@@ -33,9 +33,8 @@ def table(rows: Iterable[tuple[str, str]]) -> list[str]:
 
 
 def summary_of(code: Any) -> str:
-    """The first line of a docstring of a domain's own."""
-    found = inspect.getdoc(code) if getattr(code, "__doc__", None) else None
-    return (found or "").partition("\n")[0]
+    """The first sentence of a docstring of a domain's own."""
+    return first_sentence(inspect.getdoc(code) if getattr(code, "__doc__", None) else None)
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,6 +7,7 @@ import re
 
 from sketchlang.analysis.argument import argument
 from sketchlang.analysis.termination import NonTerminating, Terminating
+from sketchlang.checking.typed import OPEN
 from sketchlang.domain import Domain, Function
 from sketchlang.lsp.state import Document
 from sketchlang.lsp.symbols import Occurrence
@@ -150,10 +151,42 @@ def _sort(document: Document, found: Occurrence) -> str:
 
 
 def _element(document: Document, over: tree.Expr | None) -> Type | None:
-    if not isinstance(over, tree.Call) or document.domain is None:
+    """The sort of a set's elements, as far as its text tells."""
+    if over is None or document.domain is None:
         return None
-    function = document.domain.functions.get(over.name.text)
-    return function.result.element if function is not None and function.result.is_set else None
+    match over:
+        case tree.GoalAtom(call):
+            return _of_call(document, call)
+        case tree.Call():
+            return _of_call(document, over)
+        case tree.Operation(_, operands):
+            return _element(document, operands[0])
+        case tree.Conditional(_, first):
+            return _element(document, first)
+        case tree.Comprehension(binders) if len(binders) == 1:
+            return _element(document, binders[0].domain)
+    return None
+
+
+def _of_call(document: Document, call: tree.Call) -> Type | None:
+    """The sort of the elements of a set that a call gives: a set of the domain, a relation with an
+    argument left open, or a definition."""
+    assert document.domain is not None
+    name = call.name.text
+    found = _item(document, name)
+    if found is not None and isinstance(found[1], tree.Define):
+        return _element(document, found[1].body)
+    function = document.domain.functions.get(name)
+    if function is None:
+        return None
+    if function.result.is_set:
+        return function.result.element
+    left = [
+        side
+        for side, argument in zip(function.parameters, call.arguments, strict=False)
+        if isinstance(argument, tree.Call) and argument.name.text == OPEN
+    ]
+    return left[0] if len(left) == 1 else None
 
 
 def _function(function: Function, domain: Domain) -> str:
