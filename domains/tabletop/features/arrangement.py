@@ -10,7 +10,7 @@ carried over and equals, value by value, what would be computed afresh.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Hashable, Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -63,6 +63,12 @@ class Places:
     barred: Ints
     counts: Ints
     reachable: Ints
+
+    @cached_property
+    def free(self) -> Ints:
+        """Bits of the headings to each site that nothing bars (S,)."""
+        found: Ints = ((self.counts == 0) << np.arange(HEADINGS)).sum(axis=1)
+        return found
 
     @cached_property
     def repeated(self) -> tuple[Floats, Floats, Floats]:
@@ -633,7 +639,7 @@ class Arrangement:
         below = frozenset() if owner is None else self.standing_on(owner)
         others = frozenset(i for i in misplaced if i != index and self.present[i])
         count = len(others & below)
-        if not count and not extra.bars.any() and self._leaves_places(extra, others):
+        if not count and not extra.bars.any() and self._leaves_places(box[None], others)[0]:
             return 0
         for other in others - below:
             goal = world.goal_sites(other, self)
@@ -662,9 +668,8 @@ class Arrangement:
         harm = self.harm[key].copy()
         harm[:, index] = False
         harmless = self.free_sites(index, goal) & ~harm.any(axis=(0, 1))
-        return any(
-            self._leaves_places(Thought(self, index, boxes[s]), others)
-            for s in np.flatnonzero(harmless)
+        return bool(
+            harmless.any() and (harmless & self._leaves_places(boxes, others, known_as=key)).any()
         )
 
     def bars(self, boxes: Floats) -> Ints:
@@ -679,26 +684,42 @@ class Arrangement:
         ]  # fmt: skip
         return np.array(bars) * self.present[:, None]
 
-    def _leaves_places(self, extra: Thought, others: Iterable[int]) -> bool:
-        """Whether an object thought to be there bars nothing on the way to the goals of others,
-        or leaves free ways to other sites of these."""
-        seen = set()
+    def _leaves_places(
+        self, boxes: Floats, others: Iterable[int], known_as: Hashable = None
+    ) -> NDArray[np.bool_]:
+        """Which boxes (b, 8), thought to be there one at a time, bar nothing on the way to the
+        goals of others, or leave free ways to other sites of these (b,). `known_as` names boxes
+        that are always the same, and what they bar is remembered."""
+        world, seen = self.world, set()
+        fine = np.ones(len(boxes), dtype=np.bool_)
         for other in others:
-            goal = self.world.goal_sites(other, self)
-            if goal is None or self.waits(goal) or (goal.key, self.world.kinds[other]) in seen:
+            goal = world.goal_sites(other, self)
+            if goal is None or self.waits(goal) or (goal.key, world.kinds[other]) in seen:
                 continue
-            if faces_at(self.world, other, goal) != (0,) or self._face(other, None):
-                return False  # it is turned on its way there
-            seen.add((goal.key, self.world.kinds[other]))
-            for family in self.world.families:
-                ways = self.places_of(other, goal, family)
-                plus = _place_barred(self.world, ways, family, extra.box[None])[:, 0]
-                if plus.any() and (
-                    goal.modulus > 1
-                    or swept.residue_minima(ways.counts, np.zeros_like(plus), plus, 1)[0] > 0
-                ):
-                    return False
-        return True
+            if faces_at(world, other, goal) != (0,) or self._face(other, None):
+                return np.zeros(len(boxes), dtype=np.bool_)  # it is turned on its way there
+            seen.add((goal.key, world.kinds[other]))
+            places = {f: self.places_of(other, goal, f) for f in world.families}
+            # Where no site is reached anyway there is nothing to lose.
+            open_ones = {f: ways for f, ways in places.items() if ways.reachable.any()}
+            for family, ways in (open_ones or places).items():
+                plus = self._barred_by(ways, family, boxes, known_as, world.kinds[other])
+                harmless = ~plus.any(axis=0)
+                if goal.modulus == 1:
+                    harmless |= (ways.free[:, None] & ~plus).any(axis=0)
+                fine &= harmless
+        return fine
+
+    def _barred_by(
+        self, ways: Places, family: int, boxes: Floats, known_as: Hashable, kind: int
+    ) -> Ints:
+        """Bits (S, b) of the headings to the sites of a goal that boxes bar."""
+        if known_as is None or ways.goal.frame is not None:
+            return _place_barred(self.world, ways, family, boxes)
+        question = (known_as, ways.goal.key, kind, family, ways.hold.key)
+        return self.world.memory.answer(
+            "sites bar sites", question, lambda: _place_barred(self.world, ways, family, boxes)
+        )
 
     def _both_far(self, extra: Thought, other: int, goal: GoalSites) -> bool:
         """Whether a box is too far from an object and from its goal to be in its way."""
