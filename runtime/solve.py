@@ -118,8 +118,15 @@ class Result:
         return self.outcome.solved
 
 
-def open_task(checked: CheckedSketch, scene: str, seed: int = 0, robot: str | None = None) -> Task:
-    """Compile a sketch and load a scene by name or path.
+def open_task(
+    checked: CheckedSketch,
+    scene: str,
+    seed: int = 0,
+    robot: str | None = None,
+    in_turn: bool = False,
+) -> Task:
+    """Compile a sketch and load a scene by name or path. Motions that could overlap follow each
+    other where they are to be `in_turn`.
 
     Raises:
         InputError: the sketch cannot be run, or scene or robot are not as they should be.
@@ -133,8 +140,10 @@ def open_task(checked: CheckedSketch, scene: str, seed: int = 0, robot: str | No
         raise InputError(f"the domain {domain.name} has no scenes")
     if robot is not None and not domain.has_robots:
         raise InputError(f"--robot: the domain {domain.name} has no robots")
+    if in_turn and not domain.has_robots:
+        raise InputError(f"--in-turn: the domain {domain.name} has no robots")
     path, name = find_scene(scene)
-    options = LoadOptions(name, seed, robot, dict(domain.actions))
+    options = LoadOptions(name, seed, robot, dict(domain.actions), in_turn)
     problem, reporting = opened(domain.name, _loaded(domain, path, options))
     return Task(compile_sketch(checked), problem, reporting, name, seed, checked)
 

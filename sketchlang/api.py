@@ -66,9 +66,11 @@ def plan(
     timeout: float = 300.0,
     k_max: int = 2,
     domain: str | Path | None = None,
+    in_turn: bool = False,
 ) -> Result:
     """Plan a scene (a path, or the name of a built-in one) with a sketch. The same seed gives
-    the same plan; `timeout` are seconds of planning, `k_max` the largest width of IW(k).
+    the same plan; `timeout` are seconds of planning, `k_max` the largest width of IW(k). Base and
+    arm move at once where they can, or each `in_turn`.
 
     Raises:
         InputError: sketch, scene or robot are not as they should be.
@@ -79,7 +81,9 @@ def plan(
     from runtime.solve import open_task
 
     loaded = _valid(sketch, domain)
-    task = open_task(loaded.checked, str(scene), seed, None if robot is None else str(robot))
+    task = open_task(
+        loaded.checked, str(scene), seed, None if robot is None else str(robot), in_turn
+    )
     return Result(task.solve(Limits(timeout=timeout, k_max=k_max), planner or DEFAULT), loaded)
 
 

@@ -55,12 +55,14 @@ class Problem(Protocol[StateT, ActionT_co]):
 @dataclass(frozen=True)
 class LoadOptions:
     """What a scene loader is told besides the path: the scene's name for people, the seed of
-    the run, the robot's name or file (None: the default one) and the domain's own actions."""
+    the run, the robot's name or file (None: the default one), the domain's own actions, and
+    whether motions that could overlap are to follow each other `in_turn`."""
 
     name: str = ""
     seed: int = 0
     robot: str | None = None
     actions: Mapping[str, Any] = field(default_factory=dict)
+    in_turn: bool = False
 
 
 class Picture(Protocol):

@@ -22,12 +22,18 @@ from sketchlang.domain import LoadOptions
 
 
 class TabletopProblem:
-    """A task that can be searched; `schemas` are actions besides driving, picking, placing."""
+    """A task that can be searched; `schemas` are actions besides driving, picking, placing.
+    In plans, base and arm move at once where they can, or each `in_turn`."""
 
     def __init__(
-        self, world: TabletopWorld, seed: int, schemas: Sequence[ActionSchema] = ()
+        self,
+        world: TabletopWorld,
+        seed: int,
+        schemas: Sequence[ActionSchema] = (),
+        in_turn: bool = False,
     ) -> None:
         self.world = world
+        self.in_turn = in_turn
         self.profile = Profile()
         self.executor = Executor(world, seed, self.profile)
         self.sampler = Sampler(world, self.executor, schemas)
@@ -55,4 +61,5 @@ def load_problem(path: str, options: LoadOptions) -> TabletopProblem:
     scene = load_scene(Path(path), options.name or Path(path).stem)
     robot = load_robot(options.robot or DEFAULT_ROBOT)
     schemas = [Added.of(schema) for schema in options.actions.values()]
-    return TabletopProblem(TabletopWorld.of(scene, robot), options.seed, schemas)
+    world = TabletopWorld.of(scene, robot)
+    return TabletopProblem(world, options.seed, schemas, options.in_turn)

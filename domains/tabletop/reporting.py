@@ -91,9 +91,8 @@ class TabletopReporting:
     ) -> TabletopDocument:
         """The plan of an outcome, as far as it came."""
         world = self.problem.world
-        return TabletopDocument(
-            world, document(world, model, outcome, planner, seed, self.problem.executor)
-        )
+        executor = None if self.problem.in_turn else self.problem.executor
+        return TabletopDocument(world, document(world, model, outcome, planner, seed, executor))
 
     def picture(self, state: State) -> Picture:
         """A state seen from above."""

@@ -56,7 +56,10 @@ def warm_up(robot: RobotModel) -> None:
             state = found[-1].after
     list(scheduled(executor, steps))
     start, goal = (0.0, 0.0, 0.0), (0.5, 0.3, 1.0)
-    drives(robot, start, goal, np.array([start, goal]), True, world.statics, world.roads.clearance)
+    if robot.base.type != "fixed":
+        drives(
+            robot, start, goal, np.array([start, goal]), True, world.statics, world.roads.clearance
+        )
     # What only some scenes ask: lanes where the base cannot turn, and solids that are no boxes.
     body = robot.body(0.05)
     placed = np.zeros((len(body.frame), 3, 4))

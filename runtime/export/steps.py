@@ -99,12 +99,12 @@ def steps_of(trace: Trace, frame: str = "map") -> tuple[Step, ...]:
 
 def _check_controllers(trace: Trace) -> None:
     tracks = ((trace.robot.joints, trace.joints), (trace.robot.fingers[:1], trace.opening))
-    moved = [name for names, track in tracks if len(track.times) > 1 for name in names]
+    moved = [name for names, track in tracks if changes(track) for name in names]
     owned = {name for each in trace.robot.controllers for name in each.joints}
     # Where fingers mimic each other, one of them is enough.
     if owned & set(trace.robot.fingers):
         moved = [name for name in moved if name not in trace.robot.fingers]
-    for message, hint in unmoved(trace.robot.controllers, moved, len(trace.base.times) > 1):
+    for message, hint in unmoved(trace.robot.controllers, moved, changes(trace.base)):
         raise InputError(f"robot {trace.robot.name}: {message}", hint=hint)
 
 
@@ -138,6 +138,11 @@ def _stretches(trace: Trace) -> Iterator[_Stretch]:
             )
             grips = [g for g in trace.grips if start + SAME < g.time <= end + SAME]
             yield _Stretch(start, end, actions, moving, grips[-1] if grips else None)
+
+
+def changes(track: Track) -> bool:
+    """Whether a track has more than one value, ever."""
+    return bool(np.abs(track.values - track.values[0]).max() > STILL)
 
 
 def moves(track: Track, start: float, end: float) -> bool:

@@ -66,6 +66,11 @@ Examples:
     help="Name or robot file (.toml), where the domain has robots.",
 )
 @click.option(
+    "--in-turn",
+    is_flag=True,
+    help="Base and arm never move at once: for a robot whose base keeps no times.",
+)
+@click.option(
     "--out",
     type=click.Path(path_type=Path, dir_okay=False),
     help="Write the plan here; of an unsolved run, what it reached to NAME.unsolved.json.",
@@ -82,6 +87,7 @@ def command(
     timeout: float,
     k_max: int,
     robot: str | None,
+    in_turn: bool,
     out: Path | None,
     as_json: bool,
     domain_file: str | None,
@@ -98,7 +104,7 @@ def command(
     loaded = load_valid(sketch, domain_file, pddl_of(scene, domain_pddl))
     check_outputs((sketch, scene, robot, domain_file, domain_pddl), {"--out": out})
     try:
-        report = _run(loaded, scene, planner, seed, timeout, k_max, robot, out, as_json)
+        report = _run(loaded, scene, planner, seed, timeout, k_max, robot, in_turn, out, as_json)
     except (InputError, SceneError) as error:
         fail(error)
     except EvaluationError as error:
@@ -116,6 +122,7 @@ def _run(
     timeout: float,
     k_max: int,
     robot: str | None,
+    in_turn: bool,
     out: Path | None,
     as_json: bool,
 ) -> dict[str, Any]:
@@ -124,7 +131,7 @@ def _run(
     from runtime.search.planners import DEFAULT
     from runtime.solve import open_task
 
-    task = open_task(loaded.checked, scene, seed, robot)
+    task = open_task(loaded.checked, scene, seed, robot, in_turn)
     check_outputs((), {"--out": out})  # again, for what a scene or a robot names was read now
     planner = planner or DEFAULT
     progress = Speaker(quiet=as_json)

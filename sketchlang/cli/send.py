@@ -141,7 +141,7 @@ def _refuse_untimed(steps: Sequence[Step]) -> None:
         if step.untimed is not None:
             raise InputError(
                 f"step {step.number} moves base and arm at once, and {step.untimed} keeps no times",
-                hint="the robot file may name a controller that does; --untimed sends it as it is",
+                hint="plan with `run --in-turn`, or name a controller that does in the robot file",
             )
 
 

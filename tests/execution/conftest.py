@@ -16,7 +16,7 @@ from sketchlang.cli.run import command as run
 
 
 @pytest.fixture(scope="session")
-def plan_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def overlapping(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A plan of `sorting/3t-02`."""
     path = tmp_path_factory.mktemp("plans") / "plan.json"
     done = CliRunner().invoke(run, ["pick_and_place", "sorting/3t-02", "--out", str(path)])
@@ -25,8 +25,29 @@ def plan_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="session")
+def plan_file(overlapping: Path) -> Path:
+    """The same, for modules that do not care."""
+    return overlapping
+
+
+@pytest.fixture(scope="session")
 def trace(plan_file: Path) -> Trace:
     return load_trace(plan_file, find_world)
+
+
+@pytest.fixture(scope="session")
+def in_turn_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A plan of `sorting/3t-02` in which base and arm never move at once."""
+    path = tmp_path_factory.mktemp("plans") / "plan.json"
+    words = ["pick_and_place", "sorting/3t-02", "--in-turn", "--out", str(path)]
+    done = CliRunner().invoke(run, words)
+    assert done.exit_code == 0, done.output
+    return path
+
+
+@pytest.fixture(scope="session")
+def in_turn(in_turn_file: Path) -> Trace:
+    return load_trace(in_turn_file, find_world)
 
 
 @pytest.fixture

@@ -14,10 +14,10 @@ from tests.pages import DOCS, run_page
 
 
 @pytest.mark.slow
-def test_the_how_to_for_ros(tmp_path, trace) -> None:
-    steps = steps_of(trace)
+def test_the_how_to_for_ros(tmp_path, in_turn) -> None:
+    steps = steps_of(in_turn)
     before = sum(len(step.goals) for step in steps[:4])
-    robot = Robot(trace.robot.controllers, posture(trace, 0.0))
+    robot = Robot(in_turn.robot.controllers, posture(in_turn, 0.0))
     robot.together = range(before, before + len(steps[4].goals))
     robot.fails = before + [g.controller.name for g in steps[4].goals].index("arm_controller")
     server = robot.serve()

@@ -21,6 +21,17 @@ from sketchlang.errors import InputError
 from tests.execution.rosbridge_robot import Robot
 
 
+@pytest.fixture
+def plan_file(in_turn_file):
+    """TIAGo's base keeps no times: what is sent to it is a plan in turn."""
+    return in_turn_file
+
+
+@pytest.fixture
+def trace(in_turn):
+    return in_turn
+
+
 def posture(trace, time: float) -> dict[str, float]:
     names = [name for each in trace.robot.controllers for name in each.joints]
     now = np.array([time])
@@ -103,14 +114,12 @@ def test_mistakes_are_said_in_one_line(plan_file, words, said) -> None:
     assert len(done.output.splitlines()) <= 2
 
 
-def test_a_base_that_keeps_no_times_gets_no_arm_beside_it(plan_file, robot, monkeypatch) -> None:
-    """No planner does that yet; the command asks the steps."""
-    monkeypatch.setattr("runtime.export.steps.Step.untimed", "base")
-    done = send(plan_file, robot)
+def test_a_base_that_keeps_no_times_gets_no_arm_beside_it(overlapping, robot) -> None:
+    done = send(overlapping, robot)
     assert done.exit_code == 2
-    assert "keeps no times" in done.output
+    assert "--in-turn" in done.output
     assert robot.goals == []
-    assert send(plan_file, robot, "--untimed").exit_code == 0
+    assert send(overlapping, robot, "--untimed").exit_code == 0
 
 
 def test_half_a_plan_is_not_sent(plan_data, tmp_path) -> None:

@@ -33,11 +33,11 @@ PLANS = {
 }
 
 
-@pytest.fixture(scope="module", params=["tiago", *PLANS])
+@pytest.fixture(scope="module", params=["trace", "in_turn", *PLANS])
 def planned(request, tmp_path_factory) -> Trace:
     """A plan of each built-in robot."""
-    if request.param == "tiago":
-        return request.getfixturevalue("trace")
+    if request.param not in PLANS:
+        return request.getfixturevalue(request.param)
     path = tmp_path_factory.mktemp("steps") / "plan.json"
     words = ["run", "pick_and_place", PLANS[request.param][0], "--robot", request.param]
     done = CliRunner().invoke(cli, [*words, "--out", str(path)])
@@ -146,8 +146,20 @@ def test_every_grip_ends_a_step(planned) -> None:
         assert step.grip is None or step.end == pytest.approx(step.grip.time)
 
 
-def test_base_and_arm_that_move_at_once_are_one_step(trace) -> None:
-    """What overlaps follows from the trace, not from what planners do today."""
+def test_in_turn_the_base_moves_alone(trace, in_turn) -> None:
+    alone = [
+        {goal.controller.moves_base for goal in step.goals} != {True, False}
+        for each in (trace, in_turn)
+        for step in steps_of(each)
+    ]
+    assert all(alone[len(steps_of(trace)) :])
+    assert not all(alone)
+    assert [a.text for a in in_turn.actions] == [a.text for a in trace.actions]
+
+
+def test_base_and_arm_that_move_at_once_are_one_step(in_turn) -> None:
+    """What overlaps follows from the trace, not from what the planner does."""
+    trace = in_turn
     first = steps_of(trace)[0]
     builder = TrackBuilder(trace.joints.values[0])
     moved = trace.joints.values[0] + 0.1
@@ -169,13 +181,15 @@ def test_base_and_arm_that_move_at_once_are_one_step(trace) -> None:
 
 
 def test_a_base_may_keep_times(trace) -> None:
-    """As three joints, whose values are those of the trace."""
+    """As three joints, whose values are those of the trace, whatever moves with it."""
     kept = [c for c in trace.robot.controllers if not c.moves_base]
     wheels = controller("wheels", "FollowJointTrajectory", ["x", "y", "t"], base=True)
     robot = replace(trace.robot, controllers=(*kept, wheels))
     steps = steps_of(replace(trace, robot=robot))
     drives = [(s, g) for s in steps for g in s.goals if g.controller == wheels]
     assert len(drives) > 2
+    assert any(len(step.goals) > 1 for step, _ in drives)
+    assert not any(step.untimed for step in steps)
     for step, goal in drives:
         assert goal.message["trajectory"]["joint_names"] == ["x", "y", "t"]
         times = np.linspace(0, step.duration, 50)
