@@ -251,7 +251,7 @@ def gjk_distance(  # type: ignore[no-untyped-def]
         bx, by, bz = support_point(solid_b, vertices_b, pose_b, vx, vy, vz)
         wx, wy, wz = ax - bx, ay - by, az - bz
         low = max(low, (vx * wx + vy * wy + vz * wz) / length)
-        if low - rounding >= enough:
+        if low - rounding > enough:  # at 0, what is known of all solids is not enough
             break
         if started and length - low <= tolerance:
             break

@@ -89,6 +89,20 @@ def test_early_ends_stay_below_the_distance_and_say_what_was_asked(kind, rng) ->
         assert (bound <= limit) == (full <= limit) or abs(full - limit) < EXACTLY
 
 
+@pytest.mark.parametrize("kind", KINDS)
+def test_what_is_apart_is_free_without_a_margin(kind, rng) -> None:
+    """A margin of nothing asks for contact itself; a first bound of 0 does not tell."""
+    apart = 0
+    for _ in range(40):
+        a, b = random_solid(rng, kind), random_solid(rng)
+        poses = near_pair(rng, a, b)
+        full = distance(a, poses[0], b, poses[1])
+        touches = distance(a, poses[0], b, poses[1], near=0.0, enough=0.0) <= 0.0
+        assert touches == (full <= 0.0) or full < EXACTLY
+        apart += full > 0.0
+    assert apart
+
+
 SMALL = Box((0.02, 0.02, 0.02))
 KNOWN = [
     (Box((1.0, 1.0, 1.0)), (0.0, 0.0, 0.51 + 0.1), 0.1),
