@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import Any
 
 import pytest
@@ -78,6 +79,56 @@ def test_values_follow_from_witnesses(text: str, state: toy.State) -> None:
         check(feature.because)
         assert as_data(feature.because)["value"] == feature.because.value
         assert feature_lines(feature)
+
+
+SHARED = """
+sketch s
+use table
+define odd_ones = count x in cells: odd(x)
+feature a : nat = sum y in cells: odd_ones + weight(y)
+feature b : nat = min y in cells: weight(y)
+feature c : nat = max y in cells where odd(y): weight(y) + 1 default 5
+feature d : bool = some y in cells: odd_ones = weight(y)
+"""
+
+
+def table() -> Domain:
+    """A state is a tuple of numbers, and a cell the place of one."""
+    domain = Domain("table")
+
+    @domain.sort
+    class Cell(int): ...
+
+    def cells(state: Any) -> frozenset[Cell]:
+        return frozenset(map(Cell, range(len(state))))
+
+    def weight(state: Any, c: Cell) -> Nat:
+        return int(state[c])
+
+    def odd(state: Any, c: Cell) -> bool:
+        return bool(state[c] % 2)
+
+    for function, types in (
+        (cells, {"return": frozenset[Cell]}),
+        (weight, {"c": Cell, "return": Nat}),
+        (odd, {"c": Cell, "return": bool}),
+    ):
+        function.__annotations__ |= types
+        domain.function(function)
+    return domain
+
+
+def test_all_small_states_of_a_sketch_with_shared_variables() -> None:
+    """A definition inside a quantifier has a variable of the same level as that one's."""
+    domain = table()
+    sketch = loaded(SHARED, domain)
+    explainer = Explainer(sketch.checked)
+    for state in itertools.product(range(4), repeat=3):
+        found = explainer.features(state)
+        values = Interpreter(sketch.tree, domain, state).values()
+        assert tuple(one.value for one in found) == values
+        for feature in found:
+            check(feature.because)
 
 
 BLOCKS = """

@@ -54,9 +54,20 @@ def test_objects_are_drawn_where_they_are(name: str, width: int) -> None:
         # The cell of its middle, or one beside it where the object is smaller than a cell.
         near = "".join(line[column - 1 : column + 2] for line in lines[row - 1 : row + 2])
         assert symbols[thing.name] in near, thing
+    # Supports that lie on no other cover as many cells as their area has.
+    area = sum(_area(p.corners) for p in view.patches if p.sort is Sort.SUPPORT)
+    drawn = sum(line.count(".") for line in lines[: grid.rows])
+    if name != "desk/sort":
+        assert drawn == pytest.approx(area / (2 * grid.step**2), rel=0.15)
     x, y, _ = view.robot
     row, column = grid.cell(x, y)
     assert lines[row][column] == ">"
+
+
+def _area(corners: tuple[tuple[float, float], ...]) -> float:
+    """The area of a polygon."""
+    pairs = zip(corners, [*corners[1:], corners[0]], strict=True)
+    return sum(a[0] * b[1] - b[0] * a[1] for a, b in pairs) / 2
 
 
 def test_the_drawing_has_everything() -> None:

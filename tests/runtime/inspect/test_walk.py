@@ -144,6 +144,19 @@ def test_stepping_by_a_pipe(task_file: str) -> None:
 
 
 @pytest.mark.slow
+def test_a_walk_has_the_seed_of_the_run() -> None:
+    checked = load_sketch("pick_and_place").checked
+    places = []
+    for seed in (0, 3):
+        outcome = open_task(checked, "sorting/3t-02", seed).solve().outcome
+        walk = Walk(open_task(checked, "sorting/3t-02", seed))
+        assert walk.reach(2) == 2
+        assert walk.state(2) == outcome.subgoals[1].states[-1]
+        places.append(walk.state(2))
+    assert places[0] != places[1]
+
+
+@pytest.mark.slow
 def test_a_tabletop_task_is_walked() -> None:
     text = "g 2\nf\ns\ng 99\n"
     done = call("step", "pick_and_place", "sorting/3t-02", text=text)
