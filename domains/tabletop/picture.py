@@ -43,7 +43,7 @@ def view_of_file(path: str, name: str) -> TopView:
 def view_of_scene(scene: Scene) -> TopView:
     """A scene as it is at the start."""
     shapes = {i: (t.body.parts, t.pose) for i, t in enumerate(scene.world.movables)}
-    places = [f"on {scene.supports[thing.surface].name}" for thing in scene.objects]
+    places = [f"on {scene.supports[thing.rests.support].name}" for thing in scene.objects]
     return _view(scene, shapes, places, scene.robot_start)
 
 

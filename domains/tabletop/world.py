@@ -149,7 +149,7 @@ class TabletopWorld:
         placements: list[Placement | None] = [None] * len(self.items)
         # Supports that never move first, then what stands on things that have been placed.
         for i in sorted(range(len(self.items)), key=lambda i: self.starts[i][2]):
-            support = self.scene.objects[i].surface
+            support = self.scene.objects[i].rests.support
             pose = upright(*self.starts[i])
             placements[i] = self.relative(tuple(placements), support, pose)
         return State(BasePose.of(*self.scene.robot_start), tuple(placements), world=self)
@@ -564,7 +564,7 @@ class TabletopWorld:
         found: dict[int, GoalSites] = {}
         known: dict[object, GoalSites] = {}
         for index, goal in self.placed_goals.items():
-            if self.grounds[goal.surface].owner is None:
+            if self.grounds[goal.support].owner is None:
                 sites = self.sites_of(index, goal, None)
                 found[index] = known.setdefault((sites.key, sites.symmetry), sites)
         return found

@@ -35,7 +35,7 @@ def spelled(
     word in a row from the middle of the table."""
     word = task.scene.word
     assert word is not None
-    ground = task.grounds[word.surface]
+    ground = task.grounds[word.support]
     used: dict[str, int] = {}
     placements: list[Placement | None] = list(task.initial.placements)
     for number, letter in enumerate(word.word[:count]):
@@ -46,7 +46,7 @@ def spelled(
             (start + number * PITCH) * direction[0], (start + number * PITCH) * direction[1]
         )
         yaw = ground.yaw + (turn if number == count - 1 else 0.0)
-        placements[index] = Placement.of(x, y, yaw, word.surface)
+        placements[index] = Placement.of(x, y, yaw, word.support)
     return replace(task.initial, placements=tuple(placements))
 
 
@@ -81,14 +81,14 @@ def test_as_many_blocks_are_misplaced_as_slots_are_empty(task) -> None:
 
 def test_a_row_without_room_for_the_whole_word_does_not_count(task) -> None:
     word = task.scene.word
-    ground = task.grounds[word.surface]
+    ground = task.grounds[word.support]
     placements: list[Placement | None] = list(task.initial.placements)
     # The first two letters at the very end of the table, reading outwards.
     edge = ground.half[0] - 0.03
     for number, letter in enumerate(word.word[:2]):
         x, y = ground.outside(edge - PITCH + number * PITCH, 0.0)
         index = index_of(task, letter)
-        placements[index] = Placement.of(x, y, ground.yaw, word.surface)
+        placements[index] = Placement.of(x, y, ground.yaw, word.support)
     state = replace(task.initial, placements=tuple(placements))
     here = arrangement(task, state.placements)
     first, second = (index_of(task, letter) for letter in word.word[:2])

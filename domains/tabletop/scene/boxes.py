@@ -57,7 +57,7 @@ def scene_of_boxes(
             digest=digest,
             robot_start=robot_start,
             fixed=tuple(fixed_box(o.name, o.box) for o in obstacles),
-            movables=tuple(movable(thing, surfaces[thing.surface].rest) for thing in objects),
+            movables=tuple(movable(thing, surfaces[thing.rests.support].rest) for thing in objects),
             supports=tuple(supports),
             goals=wanted_of(goals, word, objects, supports),
         ),

@@ -110,22 +110,12 @@ class SceneObject:
         """x, y and heading at the start."""
         return self.rests.x, self.rests.y, self.rests.yaw
 
-    @property
-    def surface(self) -> int:
-        """The index of the support at the start."""
-        return self.rests.support
-
 
 @dataclass(frozen=True, slots=True)
 class RegionGoal:
     """The object must rest anywhere on a support."""
 
     support: int
-
-    @property
-    def surface(self) -> int:
-        """The index of the support."""
-        return self.support
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,11 +130,6 @@ class PoseGoal:
     yaw: float | None
     tolerance: float
     others: tuple[int, ...] = ()
-
-    @property
-    def surface(self) -> int:
-        """The index of the support."""
-        return self.support
 
 
 @dataclass(frozen=True, slots=True)
@@ -167,11 +152,6 @@ class WordGoal:
     support: int
     pitch: float
     tolerance: float
-
-    @property
-    def surface(self) -> int:
-        """The index of the support."""
-        return self.support
 
 
 SingleGoal = RegionGoal | PoseGoal | HeldGoal
@@ -242,12 +222,6 @@ class Scene:
     def obstacle_rows(self) -> Floats:
         """All obstacles packed for the kernels (w, 8)."""
         return np.array([obstacle.box.row() for obstacle in self.obstacles]).reshape(-1, 8)
-
-    def object_box(self, index: int, x: float, y: float, yaw: float, surface: int) -> UprightBox:
-        """The box of an object that stands at a pose on a surface."""
-        size = self.objects[index].size
-        rest = float(self.supports[surface].pose[2, 3])
-        return UprightBox((x, y, rest + size[2] / 2), size, yaw)
 
     def with_boxes(self, boxes: Sequence[Obstacle]) -> Scene:
         """The scene with further things that never move."""

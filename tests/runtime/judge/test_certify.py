@@ -136,9 +136,11 @@ def world_of_action(data: Json, scene: Scene, number: int) -> np.ndarray:
             x, y, _, _, _, sine, cosine = released(action)["pose"]
             poses[action["arguments"]["object"]] = x, y, 2 * math.atan2(sine, cosine)
     rows = list(scene.obstacle_rows)
-    for index, thing in enumerate(scene.objects):
+    for thing in scene.objects:
         if thing.name != data["actions"][number]["arguments"].get("object"):
-            rows.append(scene.object_box(index, *poses[thing.name], thing.surface).row())
+            x, y, yaw = poses[thing.name]
+            rest = float(scene.supports[thing.rests.support].pose[2, 3])
+            rows.append(UprightBox((x, y, rest + thing.size[2] / 2), thing.size, yaw).row())
     return to_base_frame(np.array(rows), *base, math.inf)
 
 

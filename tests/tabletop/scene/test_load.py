@@ -62,7 +62,7 @@ def test_things_are_where_the_file_says(tmp_path) -> None:
     assert scene.surfaces[0].half == (0.45, 0.3)
     assert scene.surfaces[0].rest == 0.767
     red = scene.objects[1]
-    assert (red.name, red.size, red.surface) == ("red1", (0.04, 0.05, 0.2), 0)
+    assert (red.name, red.size, red.rests.support) == ("red1", (0.04, 0.05, 0.2), 0)
     assert red.start == pytest.approx((0.9, 0.7, math.radians(30)))
     wall = next(obstacle.box for obstacle in scene.obstacles if obstacle.name == "divider")
     assert wall.centre == (0.8, -0.2, 0.6)
