@@ -72,7 +72,7 @@ const makeStage = (canvas, trace, scene) => {
   const wide = 1.25 * reach;
   Object.assign(sun.shadow.camera, { left: -wide, right: wide, top: wide, bottom: -wide, near: 0.1, far: 5 * reach });
   sun.shadow.bias = -0.0004;
-  sun.shadow.normalBias = 0.012;
+  sun.shadow.normalBias = 0.02;
   sun.shadow.radius = 3;
   world.add(sky, sun, sun.target, fill, fill.target);
 
@@ -97,7 +97,7 @@ const makeStage = (canvas, trace, scene) => {
   const drawPaths = (t) => {
     past.geometry.instanceCount = Math.floor(t / step);
     past.visible = past.geometry.instanceCount > 0;
-    const action = trace.actions[current(trace.actions, t)];
+    const action = doing(trace, t);
     const from = action ? Math.floor(action.start / step) : 0;
     const until = Math.min(count - 1, Math.ceil(t / step));
     swing.visible = Boolean(action && action.object) && until - from > 1;

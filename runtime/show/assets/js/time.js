@@ -25,6 +25,13 @@ const at = (track, t) => {
 // Index of the last entry that has started, or 0.
 const current = (list, t) => Math.max(0, list.findLastIndex((entry) => entry.start <= t + 1e-9));
 
+// What is being done at a time: base and arm may be at work at once, and then it is what the hand
+// does, which says more than that the base drives.
+const doing = (trace, t) => {
+  const running = trace.actions.filter(({ start, end }) => start <= t + 1e-9 && t < end);
+  return running.findLast(({ object }) => object) || running.at(-1) || trace.actions[current(trace.actions, t)];
+};
+
 // Feature values at a time, and those that the present action is about to make.
 const truth = (valuations, t) => {
   const i = Math.max(0, valuations.findLastIndex((entry) => entry.time <= t + 1e-9));

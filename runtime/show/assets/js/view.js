@@ -62,11 +62,10 @@ const makeView = ({ trace, scene, valuations }, box) => {
 
   const failure = failureOf(trace);
   const write = (t) => {
-    const number = trace.subgoals.length ? current(trace.subgoals, t) : -1;
-    const action = trace.actions[current(trace.actions, t)], { now, pending } = truth(valuations, t);
+    const action = doing(trace, t), { now, pending } = truth(valuations, t);
     caption.replaceChildren(...(failure && t >= failure.time
       ? [make("b", "", "no plan"), make("span", "", failure.text)] : action
-      ? [make("b", "", trace.subgoals[number].rule), make("span", "", action.text)] : [make("span", "", "nothing to do")]));
+      ? [make("b", "", trace.subgoals[action.subgoal].rule), make("span", "", action.text)] : [make("span", "", "nothing to do")]));
     for (const { name, chip, value } of values) {
       const soon = name in pending && pending[name] !== now[name];
       const text = (name in now ? shown(name, now[name]) : "") + (soon ? ` → ${shown(name, pending[name])}` : "");
