@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from textwrap import wrap
 from typing import Any, Protocol, runtime_checkable
 
 from runtime.search.classical import ClassicalProblem
+from runtime.search.problem import SearchProblem
 from runtime.search.siw_r import Outcome
 from sketchlang.domain import Picture
 from sketchlang.escape import shown_line
@@ -19,6 +20,9 @@ from sketchlang.loader import Loaded
 from sketchlang.model import SketchModel
 
 Profile = dict[str, dict[str, float]]
+
+Solves = Callable[[SearchProblem], bool]
+"""Whether the sketch of a task solves another problem, one of a few subgoals, without much ado."""
 
 
 class Verdict(Protocol):
@@ -89,12 +93,14 @@ class Reporting(Protocol):
         """A state as people see it."""
         ...
 
-    def hopeless(self) -> list[dict[str, Any]]:
-        """Findings that make the task impossible, before any search; empty where none are."""
+    def hopeless(self, solves: Solves | None = None) -> list[dict[str, Any]]:
+        """Findings that make the task impossible, before any search; empty where none are.
+        `solves` is for tests of what would help."""
         ...
 
-    def why(self, outcome: Outcome) -> list[dict[str, Any]]:
-        """Findings about an unsolved outcome: what is in the way of what."""
+    def why(self, outcome: Outcome, solves: Solves) -> list[dict[str, Any]]:
+        """Findings about an unsolved outcome: what is in the way of what. One that is `certain`
+        would be so whatever a sketch does."""
         ...
 
 
@@ -220,10 +226,10 @@ class ClassicalReporting:
         picture = getattr(self.problem.problem, "picture", None)
         return TextPicture(tuple(picture(state)) if picture is not None else (repr(state),))
 
-    def hopeless(self) -> list[dict[str, Any]]:
+    def hopeless(self, solves: Solves | None = None) -> list[dict[str, Any]]:
         """Nothing is known before the search."""
         return []
 
-    def why(self, outcome: Outcome) -> list[dict[str, Any]]:
+    def why(self, outcome: Outcome, solves: Solves) -> list[dict[str, Any]]:
         """Nothing is known of what is in the way."""
         return []

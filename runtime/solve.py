@@ -5,7 +5,8 @@ The command line, the benchmarks, the closed loop and Python users all come this
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import time
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -48,6 +49,10 @@ def solve(
         return PLANNERS[planner](sketch, problem, limits, rng, progress)
 
 
+HASTY = Limits(k_max=1, attempts=3, rejections=120, generated=8_000, blind=4_000)
+"""Limits for the small problems by which reasons are tested."""
+
+
 @dataclass(frozen=True, eq=False)
 class Task:
     """A sketch and a scene, ready to be solved."""
@@ -74,7 +79,7 @@ class Task:
         self.reporting.warm_up()
         limits = limits or Limits()
         limits.restart()
-        hopeless = self.reporting.hopeless()
+        hopeless = self.reporting.hopeless(self._solves)
         if hopeless:
             outcome = Outcome(state=self.problem.initial, seconds=limits.elapsed())
             outcome.end = End.HOPELESS
@@ -89,6 +94,12 @@ class Task:
         outcome.seconds = limits.elapsed()  # motions are put together in time: that is planning
         return Result(self, planner, outcome, document)
 
+    def _solves(self, problem: SearchProblem) -> bool:
+        """Whether the sketch solves a problem of a few subgoals, with little patience."""
+        rng = np.random.default_rng(self.seed)
+        limits = replace(HASTY, start=time.perf_counter())
+        return solve(self.sketch, problem, limits, rng).solved
+
     def explain(self, outcome: Outcome, limits: Limits) -> None:
         """Say why an outcome is not solved."""
         domain = self.checked.domain
@@ -96,7 +107,7 @@ class Task:
             outcome,
             self.sketch.model,
             self.reporting.describe,
-            self.reporting.why(outcome),
+            self.reporting.why(outcome, self._solves),
             limits.k_max,
             self.checked.atoms,
             {} if domain is None else domain.atoms,

@@ -14,7 +14,7 @@ from domains.pddl.show import by_predicate
 from domains.pddl.state import State, atom_texts
 from domains.pddl.successors import Successors
 from runtime.plan.partial import MARK
-from runtime.reporting import Document, Profile, TextPicture
+from runtime.reporting import Document, Profile, Solves, TextPicture
 from runtime.search.siw_r import Outcome
 from sketchlang.domain import Picture
 from sketchlang.files import write_text
@@ -99,14 +99,14 @@ class PddlReporting:
         missing = self.task.open_goals(state.bits)
         return TextPicture((*lines, f"parts of the goal that do not hold: {missing}"))
 
-    def hopeless(self) -> list[dict[str, Any]]:
+    def hopeless(self, solves: Solves | None = None) -> list[dict[str, Any]]:
         """A goal that no action and no number of them can bring about."""
         if self.task.goal:
             return []
         text = "the goal can never be reached, not even if no action made anything false"
         return [{"cause": "unreachable goal", "text": text}]
 
-    def why(self, outcome: Outcome) -> list[dict[str, Any]]:
+    def why(self, outcome: Outcome, solves: Solves) -> list[dict[str, Any]]:
         """What the goal asks for and is not so where the search ended."""
         verdict = PddlDocument(self.task, "", "", outcome).validate()
         return [{"cause": "open goal", "text": finding.message} for finding in verdict.findings]

@@ -22,8 +22,9 @@ from sketchlang.domain import LoadOptions
 
 
 class TabletopProblem:
-    """A task that can be searched; `schemas` are actions besides driving, picking, placing.
-    In plans, base and arm move at once where they can, or each `in_turn`."""
+    """A task that can be searched; `schemas` are actions besides driving, picking, placing. It
+    starts in the state `start`, or as the scene describes. In plans, base and arm move at once
+    where they can, or each `in_turn`."""
 
     def __init__(
         self,
@@ -31,9 +32,11 @@ class TabletopProblem:
         seed: int,
         schemas: Sequence[ActionSchema] = (),
         in_turn: bool = False,
+        start: State | None = None,
     ) -> None:
         self.world = world
         self.in_turn = in_turn
+        self.start = start
         self.profile = Profile()
         self.executor = Executor(world, seed, self.profile)
         self.sampler = Sampler(world, self.executor, schemas)
@@ -41,8 +44,12 @@ class TabletopProblem:
 
     @property
     def initial(self) -> State:
-        """The state that the scene describes."""
-        return self.world.initial
+        """Where the task starts."""
+        return self.world.initial if self.start is None else self.start
+
+    def of(self, world: TabletopWorld, start: State) -> TabletopProblem:
+        """The same task in another world and from another state."""
+        return TabletopProblem(world, self.executor.seed, self.sampler.schemas, start=start)
 
     def subproblem(
         self, state: State, attempt: int, rng: np.random.Generator

@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING, Any
 
 from domains.tabletop.actions.actions import Action, MoveBase
 from domains.tabletop.actions.document import document
-from domains.tabletop.why import after, before
+from domains.tabletop.why.after import after
+from domains.tabletop.why.before import before
 from domains.tabletop.world import TabletopWorld
 from runtime.plan.model import Plan
 from runtime.plan.write import write_plan
-from runtime.reporting import Profile
+from runtime.reporting import Profile, Solves
 from runtime.search.siw_r import Outcome
 from sketchlang.domain import Picture
 from sketchlang.loader import Loaded
@@ -101,11 +102,11 @@ class TabletopReporting:
 
         return TopPicture(view_of_state(state))
 
-    def hopeless(self) -> list[dict[str, Any]]:
+    def hopeless(self, solves: Solves | None = None) -> list[dict[str, Any]]:
         """What makes the task impossible, whatever a search would do; nothing is certain where
         a domain has been extended by actions."""
-        return [] if self.problem.sampler.schemas else before(self.problem)
+        return [] if self.problem.sampler.schemas else before(self.problem, solves)
 
-    def why(self, outcome: Outcome) -> list[dict[str, Any]]:
+    def why(self, outcome: Outcome, solves: Solves) -> list[dict[str, Any]]:
         """What keeps each misplaced object from its goal."""
-        return after(self.problem.world, outcome)
+        return after(self.problem, outcome, solves)

@@ -10,7 +10,7 @@ from sketchlang.analysis.termination import NonTerminating, Terminating, decide_
 from sketchlang.analysis.words import listed
 from sketchlang.model import SketchModel
 
-SECONDS = 0.25
+SECONDS = 2.0
 """What a proof may take before a run."""
 
 NAMED = 6
@@ -59,7 +59,7 @@ def circle(model: SketchModel, rules: list[str], returned_to: int) -> dict[str, 
     where = f"of subgoal {returned_to}" if returned_to else "at the start"
     used = list(dict.fromkeys(rules))
     text = f"the state {where} again: {listed(used)} go round in a circle"
-    loop = loop_of(model, 4 * SECONDS)
+    loop = loop_of(model)
     if loop is not None and loop.rules:
         same = set(loop.rules) == set(used)
         text += f", {'the' if same else 'and a'} loop that `terminate` finds"

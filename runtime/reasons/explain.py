@@ -13,7 +13,7 @@ from runtime.reasons.circle import circle
 from runtime.reasons.effects import finding_of
 from runtime.reasons.rules import no_rule
 from runtime.reasons.width import Families, pruned
-from runtime.search.retrospect import Found
+from runtime.search.retrospect import Found, look_back
 from runtime.search.siw_r import End, Outcome
 from sketchlang.analysis.words import listed
 from sketchlang.model import SketchModel
@@ -39,7 +39,9 @@ def explain(
     `offered` are the families of atoms of the sketch and of the domain, `k` the largest width."""
     assert outcome.stuck is not None
     sure = [finding for finding in domain if finding.get("certain")]
-    unsure = [finding for finding in domain if not finding.get("certain")]
+    # What was tested by planning without some things is sure enough.
+    tested = [f for f in domain if not f.get("certain") and f.get("blocking")]
+    unsure = [f for f in domain if not f.get("certain") and not f.get("blocking")]
     if outcome.end is End.CIRCLE:
         assert outcome.returned_to is not None
         rules = [subgoal.rule for subgoal in outcome.subgoals[outcome.returned_to :]]
@@ -56,7 +58,7 @@ def explain(
     certain = [f for f in searched if f["cause"] in ("width", "refused")]
     effects = [f for f in searched if f["cause"] == "effect"]
     idle = [f for f in searched if f["cause"] == "not reached"]
-    outcome.why = [*sure, *certain, *effects, *unsure, *idle]
+    outcome.why = [*sure, *tested, *certain, *effects, *unsure, *idle]
     if outcome.end is End.TIME or not outcome.why:
         return
     first = outcome.why[0]
@@ -74,10 +76,15 @@ def _searched(
     used: Sequence[str],
     offered: Families,
 ) -> list[Finding]:
-    """What the last search came near to."""
-    seen = outcome.retrospect
-    if seen is None or outcome.stuck is None:
+    """What the last search came near to. Where a first search had no end, nothing can be said of
+    what it would not have found."""
+    assert outcome.stuck is not None
+    if outcome.last is None:
         return []
+    guide, tried = outcome.last
+    if outcome.end is End.TIME and len(tried) < 2:
+        return []
+    seen = look_back(guide, tried, outcome.state, outcome.stuck)
     found = []
     for subgoal in seen.subgoals:
         done = describe(subgoal.actions)

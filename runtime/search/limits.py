@@ -19,15 +19,15 @@ class Limits:
     """`timeout` in seconds from the start; `k_max` bounds the width of IW(k); `attempts`
     is how often a subproblem is sampled before it is given up. It is given up, too, after so
     many `rejections` of X, or so many nodes `generated` where its actions are sampled, and after
-    half of them (`blind`) if not one of them was a subgoal: counts and not times, so that the
+    a quarter of them (`blind`) if not one of them was a subgoal: counts and not times, so that the
     same seed gives the same plan on every machine."""
 
     timeout: float | None = None
     k_max: int = 2
     attempts: int = 5
-    rejections: int = 500
+    rejections: int = 200
     generated: int = 40_000
-    blind: int = 20_000
+    blind: int = 10_000
     start: float = field(default_factory=time.perf_counter)
 
     def restart(self) -> None:

@@ -22,7 +22,7 @@ MOST_EDGES = 4_000
 """Actions that one exploration looks at."""
 
 PATIENCE = 0.6
-"""Seconds after which no further exploration begins and none goes on."""
+"""Seconds of processor time after which no further exploration begins and none goes on."""
 
 ALIKE = 6
 """States with the same feature values that X is asked about, until one of them can be reached."""
@@ -114,7 +114,7 @@ class _LookBack:
         ends = list(subproblems[:1]) + list(subproblems[1:][-1:])
         sampled = bool(ends) and getattr(ends[0], "sampled", False)
         self.subproblems = ends if sampled else ends[:1]
-        self.deadline = time.perf_counter() + PATIENCE
+        self.deadline = time.process_time() + PATIENCE
         # States by their feature values, a few of each, with the samples that lead to them.
         self.reached: dict[Values, list[tuple[Node, Subproblem]]] = {}
 
@@ -153,7 +153,7 @@ class _LookBack:
             node = queue.popleft()
             for action, state in subproblem.actions(node.state):
                 edges += 1
-                if edges > MOST_EDGES or time.perf_counter() > self.deadline:
+                if edges > MOST_EDGES or time.process_time() > self.deadline:
                     return
                 if state in known:
                     continue

@@ -24,7 +24,6 @@ from runtime.search.lazy_iw import LazyIW
 from runtime.search.limits import Limits, OutOfPatienceError, OutOfTimeError
 from runtime.search.problem import Action, Motion, Rejection, SearchProblem, State, Subproblem
 from runtime.search.query import Effort, Query
-from runtime.search.retrospect import Retrospect, look_back
 from sketchlang.compile import CompiledSketch
 from sketchlang.model import Kind
 
@@ -44,8 +43,9 @@ class Outcome:
     """What a search reached, and the seconds it took. Where it did not solve the problem, `end`
     tells how it ended, `reason` says so in a sentence, `stuck` are the feature values there, and
     `rejections` what X refused in the last subproblem; `returned_to` is set where the state was
-    that after so many subgoals again: the sketch runs in a circle. `retrospect` is what the last
-    search came near to; `why` are findings about what is in the way of what."""
+    that after so many subgoals again: the sketch runs in a circle. `last` is the guide with what
+    it knows of the last subproblem, and the samples of each attempt at it; `why` are findings
+    about what is in the way of what."""
 
     solved: bool = False
     subgoals: list[Subgoal] = field(default_factory=list)
@@ -57,7 +57,7 @@ class Outcome:
     seconds: float = 0.0
     returned_to: int | None = None
     end: End | None = None
-    retrospect: Retrospect | None = None
+    last: tuple[Guide, tuple[Subproblem, ...]] | None = field(default=None, repr=False)
     why: list[dict[str, Any]] = field(default_factory=list)
 
 
@@ -161,10 +161,7 @@ def subgoals(
         outcome.stuck = guide.values(outcome.state)
         outcome.end = End.TIME
         outcome.reason = f"the time limit of {limits.timeout:g} s is over"
-    # Where a first search had no end, nothing can be said of what it would not have found.
-    if outcome.end is End.NO_SUBGOAL or (outcome.end is End.TIME and len(tried) > 1):
-        values = guide.values(outcome.state)
-        outcome.retrospect = look_back(guide, tried, outcome.state, values)
+    outcome.last = guide, tuple(tried)
 
 
 def schedule(limits: Limits, guided: bool) -> Iterator[tuple[int, int]]:

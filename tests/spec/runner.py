@@ -11,7 +11,11 @@ A heading names a test; the fenced blocks below it are its files and what is exp
     ```values FILE        the features of the sketch in its initial state, or in that of a PDDL task
     ```transitions        `RULE: H=0 n=2 -> H=1 n=1: yes`, whether a rule is satisfied
 
-PDDL files that lie beside the Markdown files are at hand in every section.
+    ```scene              two tables (tables.toml) and what the block adds to them
+    ```run SKETCH SCENE   why there is no plan: the reason, and what else is known. Without names,
+                          the sketch and the scene before it
+
+PDDL files and sketches that lie beside the Markdown files are at hand in every section.
 
 Without an output block a sketch has exactly the findings that comments of the form
 `# error: [code] "part of the message"` announce on their line, and none if there are no such
@@ -37,7 +41,7 @@ from sketchlang.loader import Loaded, domains_of_file, load_source, load_text
 from sketchlang.render import console
 
 ROOT = Path(__file__).resolve().parents[2]
-_FENCE = re.compile(r"^```(\w+)(?: (\S+))?$")
+_FENCE = re.compile(r"^```(\w+)(?: (\S+(?: \S+)?))?$")
 _EXPECTED = re.compile(r'#\s*(error|warning): \[([\w-]+)\](?: "(.*)")?\s*$')
 
 
@@ -106,6 +110,8 @@ def run(section: Section, directory: Path) -> None:
         if block.kind == "sketch" and block.name:
             (directory / block.name).write_text(block.text, encoding="utf-8")
             continue
+        if block.kind in ("scene", "run"):
+            pending = None  # what `check` says of a broken sketch is not the point there
         if block.kind not in ("output", "format") and pending and loaded:
             check_comments(loaded, pending)
             pending = None
@@ -116,26 +122,44 @@ def run(section: Section, directory: Path) -> None:
             case "python":
                 (directory / block.name).write_text(block.text, encoding="utf-8")
                 extra = domains_of_file(block.name)
-            case "output":
-                assert loaded, "an output block needs a sketch before it"
-                _expect(block, output(loaded))
-                pending = None
-            case "format":
-                from sketchlang.syntax.formatter import format_source
-
-                assert loaded, "a format block needs a sketch before it"
-                _expect(block, format_source(loaded.source))
-                pending = None
             case "map":
                 scene = block.text
-            case "values":
-                assert loaded, "a values block needs a sketch before it"
-                _expect(block, values(loaded, scene, block.name))
-            case "transitions":
-                assert loaded, "a transitions block needs a sketch before it"
-                _expect(block, transitions(loaded, block.text))
+            case "scene":
+                (directory / "main.toml").write_text(_on_tables(block.text), encoding="utf-8")
+            case _:
+                _expect(block, _happens(block, loaded, scene))
+                pending = None if block.kind in ("output", "format") else pending
     if pending and loaded:
         check_comments(loaded, pending)
+
+
+def _happens(block: Block, loaded: Loaded | None, scene: str) -> str:
+    """What a block should say that shows what happens."""
+    if block.kind == "run":
+        return why(*(block.name.split() or ["main.sketch", "main.toml"]))
+    assert loaded, "such a block needs a sketch before it"
+    match block.kind:
+        case "output":
+            return output(loaded)
+        case "format":
+            from sketchlang.syntax.formatter import format_source
+
+            return format_source(loaded.source)
+        case "values":
+            return values(loaded, scene, block.name)
+        case "transitions":
+            return transitions(loaded, block.text)
+        case kind:
+            raise AssertionError(f"line {block.line}: there are no blocks of the kind {kind}")
+
+
+def _on_tables(text: str) -> str:
+    """A scene with two tables, and what a block adds to them."""
+    tables = (Path(__file__).parent / "tables.toml").read_text(encoding="utf-8")
+    first, _, rest = text.partition("\n")
+    if not first.startswith("approaches"):
+        first, rest = "", text  # that is a key of the whole scene
+    return f"{first}\n{tables}{rest}"
 
 
 def _expect(block: Block, actual: str) -> None:
@@ -193,6 +217,21 @@ def values(loaded: Loaded, scene: str, task: str = "") -> str:
     )
 
 
+def why(sketch: str, scene: str) -> str:
+    """What `sketchlang run` says of why there is no plan."""
+    from runtime.search.limits import Limits
+    from runtime.solve import open_task
+    from sketchlang.loader import load_sketch
+
+    task = open_task(load_sketch(sketch).checked, scene)
+    warnings = [f"warning: {warning['text']}" for warning in task.warnings()]
+    outcome = task.solve(Limits()).outcome
+    reason = "solved" if outcome.solved else f"not solved: {outcome.reason}"
+    findings = [f"  {finding['text']}" for finding in outcome.why]
+    more = [text for text in findings if text.strip() not in reason]
+    return "\n".join([*warnings, reason, *more]) + "\n"
+
+
 def transitions(loaded: Loaded, text: str) -> str:
     """The lines of a transitions block with the right answers."""
     model = loaded.checked.model
@@ -217,8 +256,9 @@ def run_in_empty_directory(section: Section) -> None:
     """Check a section where none of its files are in the way."""
     here = Path.cwd()
     with tempfile.TemporaryDirectory() as directory:
-        for file in Path(__file__).parent.glob("*.pddl"):
-            shutil.copy(file, directory)
+        for suffix in ("*.pddl", "*.sketch"):
+            for file in Path(__file__).parent.glob(suffix):
+                shutil.copy(file, directory)
         os.chdir(directory)
         try:
             run(section, Path(directory))

@@ -11,7 +11,7 @@ from domains.tabletop.problem import load_problem
 from domains.tabletop.tmp_benchmark.problem import Problem
 from domains.tabletop.tmp_benchmark.scene import scene_of
 from domains.tabletop.tmp_benchmark.wanted import Wanted
-from domains.tabletop.why import before
+from domains.tabletop.why.before import before
 from sketchlang.domain import LoadOptions
 from sketchlang.errors import InputError
 

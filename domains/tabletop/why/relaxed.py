@@ -1,0 +1,142 @@
+"""A task with some things away: what a smallest reason is tested on."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from domains.tabletop.faces import faces_at
+from domains.tabletop.features.functions import arrangement
+from domains.tabletop.features.goals import GoalSites
+from domains.tabletop.items import why_not
+from domains.tabletop.memory import Memory
+from domains.tabletop.state import State
+from domains.tabletop.why.tested import FEW, can_pick, can_place
+from domains.tabletop.world import TabletopWorld
+
+if TYPE_CHECKING:
+    from domains.tabletop.problem import TabletopProblem
+
+
+class Thing(NamedTuple):
+    """Something that can be thought away: an object, by its number, or something fixed."""
+
+    name: str
+    number: int | None
+
+
+def things_of(world: TabletopWorld, state: State, index: int) -> list[Thing]:
+    """What can be thought away where an object is to get to its goal: all but what bears the
+    object, its goal, or anything else. Fixed things first."""
+    here = arrangement(world, state.placements)
+    goal = world.goal_sites(index, here)
+    used = {p.support for p in state.placements if p is not None}
+    used |= set() if goal is None else {goal.support}
+    bearing = {index, *here.standing_on(index)} | (set() if goal is None else set(goal.bearers))
+    for support in used:
+        owner = world.grounds[support].owner
+        bearing |= set() if owner is None else here.standing_on(owner)
+    names = {world.scene.supports[support].owner for support in used}
+    fixed = [Thing(f.name, None) for f in world.scene.world.fixed if f.name not in names]
+    objects = [
+        Thing(world.items[i].name, i)
+        for i, placement in enumerate(state.placements)
+        if placement is not None and i not in bearing
+    ]
+    return fixed + objects
+
+
+def without(
+    problem: TabletopProblem, state: State, index: int, gone: frozenset[Thing]
+) -> TabletopProblem:
+    """The task that starts in a state, with some things away, and asks for the goal of one object
+    only."""
+    world = problem.world
+    names = {thing.name for thing in gone if thing.number is None}
+    absent = {thing.number for thing in gone if thing.number is not None}
+    scene = world.scene
+    inner = scene.world
+    kept = tuple(thing for thing in inner.fixed if thing.name not in names)
+    # Nothing can be put down on what is away: its supports shrink to nothing.
+    supports = tuple(
+        replace(support, half=(0.0, 0.0)) if support.owner in names else support
+        for support in inner.supports
+    )
+    goals = {i: goal for i, goal in scene.goals.items() if i == index}
+    relaxed_scene = replace(scene, world=replace(inner, fixed=kept, supports=supports), goals=goals)
+    if names:
+        relaxed = TabletopWorld.of(relaxed_scene, world.robot)
+    else:
+        relaxed = replace(world, scene=relaxed_scene, memory=Memory())
+    placements = tuple(None if i in absent else p for i, p in enumerate(state.placements))
+    return problem.of(relaxed, replace(state, placements=placements, world=relaxed))
+
+
+def is_free(problem: TabletopProblem, state: State, index: int) -> bool:
+    """Whether an object can get to its goal if all that a hand can move is out of the way: those
+    objects are taken off one after the other, and nobody asks where to. What is impossible so is
+    impossible for any sketch."""
+    world = problem.world
+    while True:
+        if can_go(problem, state, index):
+            return True
+        more = [i for i in _standing(state) if i != index and _can_be_moved(problem, state, i)]
+        if not more:
+            return False
+        gone = frozenset(more)
+        placements = tuple(None if i in gone else p for i, p in enumerate(state.placements))
+        state = replace(state, placements=placements, world=world)
+
+
+def _standing(state: State) -> list[int]:
+    return [i for i, placement in enumerate(state.placements) if placement is not None]
+
+
+def can_go(problem: TabletopProblem, state: State, index: int) -> bool:
+    """Whether an object can be picked up, if it is not held, and put at its goal, as things are."""
+    world = problem.world
+    goal = world.goal_sites(index, arrangement(world, state.placements))
+    if goal is None:
+        return True
+    ready = (
+        state.held == index
+        or way_to_object(world, state, index)
+        or can_pick(problem, state, index, FEW)
+    )
+    return ready and (
+        way_to_goal(world, state, index, goal) or can_place(problem, state, index, goal, FEW)
+    )
+
+
+def _can_be_moved(problem: TabletopProblem, state: State, index: int) -> bool:
+    world = problem.world
+    here = arrangement(world, state.placements)
+    if here.bears(index) or why_not(world.items[index], world.hand, world.families) is not None:
+        return False
+    return way_to_object(world, state, index) or can_pick(problem, state, index, FEW)
+
+
+def way_to_object(world: TabletopWorld, state: State, index: int) -> bool:
+    """Whether the estimate of the features finds a way to an object that nothing bars."""
+    here = arrangement(world, state.placements)
+    return any(
+        int(here.picks[family].reachable[index]) & here.free_headings(index, family)
+        for family in world.families
+    )
+
+
+def way_to_goal(world: TabletopWorld, state: State, index: int, goal: GoalSites) -> bool:
+    """The same for a site of its goal; where it is to be turned onto another face, that is
+    taken for granted."""
+    if faces_at(world, index, goal) != (0,):
+        return True
+    here = arrangement(world, state.placements)
+    grasp = state.grasp if state.held == index else None
+    for family in world.families:
+        ways = here.places_of(index, goal, family, grasp)
+        free = ((ways.counts == 0) << np.arange(ways.counts.shape[1])).sum(axis=1)
+        if (ways.reachable & free).any():
+            return True
+    return False
