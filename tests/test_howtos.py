@@ -53,11 +53,11 @@ four
     $ cat note.txt
     four
     $ python - <<'END'
-    print("in 0.7 s, 4 times")
+    print("in 0.7 s, 4 steps")
     print("other")
     print("last")
     END
-    in 12 s, 5 times
+    in 12 s, 5 steps
     ...
     last
     $ python -c "raise SystemExit(3)"
