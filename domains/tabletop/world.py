@@ -33,7 +33,7 @@ from domains.tabletop.scene.model import (
     Scene,
     SceneObject,
 )
-from domains.tabletop.state import UNIT, BasePose, Grasp, Placement, State
+from domains.tabletop.state import UNIT, BasePose, Grasp, Placement, State, quantise_angle
 from runtime.kernels.convex import Obstacles, boxes_only, join
 from runtime.motion.roads import Roads
 from runtime.motion.room import Room, room_around
@@ -445,6 +445,18 @@ class TabletopWorld:
                 angles[k] = tried[i]
                 fits |= int(found.fits[i]) << k
         return SiteHold(rows, found.height, fits, angles)
+
+    def grasp(self, index: int, face: int, family: int, angle: float) -> Grasp | None:
+        """The grasp of an object by a family at a heading in the standing frame of a face; None
+        where no hand takes it so."""
+        kind, steps = self.kinds[index], quantise_angle(angle)
+
+        def compute() -> Grasp | None:
+            item, at = self.faces[kind][face], steps * UNIT
+            found = item.holds(self.hand, family, np.array([at]))
+            return item.grasp(found, 0, at) if found is not None and found.fits[0] else None
+
+        return self.memory.answer("grasps", (kind, face, family, steps), compute)
 
     def place_hold(
         self, index: int, family: int, yaw: float | None, grasp: Grasp | None

@@ -41,6 +41,8 @@ class ArmContext:
     def _enlarged_sweep(self) -> Floats:
         """The robot's sweep, enlarged where a held part sticks out further than most."""
         robot, body = self.robot, self.body
+        if len(body.frame) == len(robot.parts):
+            return robot.sweep  # it is that of the robot's own parts
         moving = body.frame == len(robot.joints)
         reach = np.linalg.norm(body.pose[moving, :, 3], axis=1) + body.radius[moving]
         extent = float(reach.max(initial=0.0))

@@ -51,6 +51,9 @@ JERK = 20.0
 """Where a robot file gives no jerk it is so many times the acceleration a second: full
 acceleration within a twentieth of a second."""
 
+OPENINGS = 256
+"""Openings of the fingers for which the poses of their parts are remembered."""
+
 HELD_EXTENT = 0.3
 """Metres from the tool frame to the farthest corner of a held object, at most."""
 
@@ -141,11 +144,14 @@ class RobotModel:
         What is held is given in the tool frame, as a box or as the solids of a body. It may
         touch the gripper, nothing else.
         """
-        own = self._own
-        poses = own.pose.copy()
-        values = np.array([*self.gripper.joint_values(opening).values()])
-        for finger in self.finger_parts:
-            poses[finger.part] = finger.pose(values)
+        own, poses = self._own, self._opened.get(opening)
+        if poses is None:
+            poses = own.pose.copy()
+            values = np.array([*self.gripper.joint_values(opening).values()])
+            for finger in self.finger_parts:
+                poses[finger.part] = finger.pose(values)
+            if len(self._opened) < OPENINGS:
+                self._opened[opening] = poses
         more = _held_parts(held)
         if not more:
             return own._replace(pose=poses)
@@ -165,6 +171,11 @@ class RobotModel:
             shape,
             shapes,
         )
+
+    @cached_property
+    def _opened(self) -> dict[float, Floats]:
+        """The poses of the robot's own parts for openings that were asked for."""
+        return {}
 
     @cached_property
     def _own(self) -> Body:

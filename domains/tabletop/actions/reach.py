@@ -168,14 +168,11 @@ class ReachSolver:
 
     def _starts(self, rng: np.random.Generator, number: int) -> Floats:
         """Configurations (number, n) to start from."""
-        robot = self.robot
-        starts = np.empty((number, len(robot.home)))
-        for i in range(number):
-            if i % 2 == 0:
-                q = robot.home + rng.normal(size=len(robot.home)) * (0.1 * i)
-                starts[i] = np.clip(q, robot.lower, robot.upper)
-            else:
-                starts[i] = rng.uniform(robot.lower, robot.upper)
+        robot, joints = self.robot, len(self.robot.home)
+        starts = rng.uniform(robot.lower, robot.upper, (number, joints))
+        stray = 0.1 * np.arange(0, number, 2)[:, None]
+        near = robot.home + stray * rng.normal(size=(len(stray), joints))
+        starts[::2] = np.clip(near, robot.lower, robot.upper)
         return starts
 
     def _ik(self, target: Pose, q: Floats, iterations: int) -> bool:

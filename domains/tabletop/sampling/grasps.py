@@ -79,14 +79,12 @@ class GraspSampler:
         if attempt > 0:
             strays = pick_headings(swept.ALL & hold.fits if draw.doubting else free, number, rng)
             angles += [k * STEP + rng.uniform(-STEP / 2, STEP / 2) for k in strays]
-        if not angles:
-            return []
-        item, grasps = world.item(index, placement.face), []
-        found = item.holds(world.hand, family, np.array(angles) - at[3])
-        for i, angle in enumerate(angles):
+        grasps = []
+        for angle in angles:
             flipped = attempt > 0 and rng.random() < 0.3
-            if found is not None and found.fits[i]:
-                grasps.append(item.grasp(found, i, angle - at[3], flipped))
+            grasp = world.grasp(index, placement.face, family, angle - at[3])
+            if grasp is not None:
+                grasps.append(grasp._replace(flipped=flipped))
         return grasps
 
     def _placeable(self, state: State, index: int, family: int, free: int) -> int:
