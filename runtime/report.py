@@ -32,6 +32,14 @@ def make_report(result: Result) -> dict[str, Any]:
         "profile": profile,
         "version": __version__,
     }
+    bound = result.plan.execution_lower_bound if outcome.solved else None
+    if bound is not None:
+        report["execution_lower_bound_s"] = round(bound, 2)
+    if result.improved is not None:
+        report["improvement"] = {
+            "tried": result.improved.tried,
+            "time_s": round(result.improved.seconds_taken, 4),
+        }
     if not outcome.solved:
         report["reason"] = outcome.reason
         report["why"] = outcome.why
@@ -50,6 +58,11 @@ def summary(report: dict[str, Any]) -> list[str]:
             f"solved in {seconds:.2f} s: {counted(subplans, 'subplan')}, "
             f"{counted(report['actions'], 'action')}"
             + (f", {report['execution_time_s']:.0f} s to execute" if report["robot"] else "")
+            + (
+                f" (at least {report['execution_lower_bound_s']:.0f} s)"
+                if "execution_lower_bound_s" in report
+                else ""
+            )
         )
     else:
         lines.append(f"not solved after {seconds:.2f} s: {report['reason']}")

@@ -51,6 +51,11 @@ class Document(Protocol):
         """Seconds that its motions take."""
         ...
 
+    @property
+    def execution_lower_bound(self) -> float | None:
+        """Seconds that the motions of any plan of the task take at least, where that is known."""
+        ...
+
 
 @runtime_checkable
 class Watchable(Protocol):
@@ -134,6 +139,7 @@ class ClassicalDocument:
     seed: int
     outcome: Outcome
     execution_time: float = 0.0
+    execution_lower_bound: float | None = None
 
     def save(self, path: Path) -> None:
         """Write the plan as JSON."""

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from runtime.collector import spared
+from runtime.improve import Improvable, Improvement, Told
 from runtime.reasons.circle import loop_of
 from runtime.reasons.explain import SAID, explain
 from runtime.reporting import ClassicalReporting, Document, Reporting
@@ -74,8 +75,18 @@ class Task:
         limits: Limits | None = None,
         planner: str = DEFAULT,
         progress: Progress | None = None,
+        improve: Improvement | None = None,
+        told: Told | None = None,
     ) -> Result:
-        """Solve the task: kernels are warm when the clock of the limits starts."""
+        """Solve the task: kernels are warm when the clock of the limits starts. The plan is
+        improved afterwards, as far as that is wanted; `told` of each better one.
+
+        Raises:
+            InputError: the plans of the domain cannot be improved.
+        """
+        improve = improve if improve is not None and improve.wanted else None
+        if improve is not None and not isinstance(self.problem, Improvable):
+            raise InputError("the plans of this domain have no execution time to improve")
         self.reporting.warm_up()
         limits = limits or Limits()
         limits.restart()
@@ -92,7 +103,13 @@ class Task:
                 self.explain(outcome, limits)
         document = self.reporting.document(self.sketch.model, outcome, planner, self.seed)
         outcome.seconds = limits.elapsed()  # motions are put together in time: that is planning
-        return Result(self, planner, outcome, document)
+        if improve is not None and outcome.solved:
+            assert isinstance(self.problem, Improvable), "tested above"
+            outcome = self.problem.improve(
+                self.sketch, outcome, improve, told or (lambda tried, seconds: None)
+            )
+            document = self.reporting.document(self.sketch.model, outcome, planner, self.seed)
+        return Result(self, planner, outcome, document, improve)
 
     def _solves(self, problem: SearchProblem) -> bool:
         """Whether the sketch solves a problem of a few subgoals, with little patience."""
@@ -116,12 +133,14 @@ class Task:
 
 @dataclass(frozen=True, eq=False)
 class Result:
-    """What came of a task: the outcome of the search, and its plan as far as it came."""
+    """What came of a task: the outcome of the search, its plan as far as it came, and how long it
+    was improved, if it was."""
 
     task: Task
     planner: str
     outcome: Outcome
     plan: Document
+    improved: Improvement | None = None
 
     @property
     def solved(self) -> bool:

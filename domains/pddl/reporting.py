@@ -31,6 +31,7 @@ class PddlDocument:
     planner: str
     outcome: Outcome
     execution_time: float = 0.0
+    execution_lower_bound: float | None = None
 
     @property
     def actions(self) -> list[str]:

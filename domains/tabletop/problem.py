@@ -10,14 +10,18 @@ import numpy as np
 from domains.tabletop.actions.actions import ActionSchema
 from domains.tabletop.actions.added import Added
 from domains.tabletop.actions.executability import Executor
+from domains.tabletop.improve.search import improve
 from domains.tabletop.reporting import TabletopReporting
 from domains.tabletop.sampling.samples import Sampler
 from domains.tabletop.scene.load import load_scene
 from domains.tabletop.state import State
 from domains.tabletop.subproblem import MAX_SEEDS, SEEDS, TabletopSubproblem
 from domains.tabletop.world import TabletopWorld
+from runtime.improve import Improvement, Told
 from runtime.robot.load import DEFAULT_ROBOT, load_robot
 from runtime.search.profile import Profile
+from runtime.search.siw_r import Outcome
+from sketchlang.compile import CompiledSketch
 from sketchlang.domain import LoadOptions
 
 
@@ -57,6 +61,13 @@ class TabletopProblem:
         """Sample a subproblem."""
         samples = self.sampler.sample(state, attempt, rng)
         return TabletopSubproblem(samples, self.executor, min(MAX_SEEDS, SEEDS * 2**attempt))
+
+    def improve(
+        self, sketch: CompiledSketch, outcome: Outcome, improvement: Improvement, told: Told
+    ) -> Outcome:
+        """A solved outcome that takes less time to carry out, or the same one."""
+        start = self.world.initial
+        return improve(self.executor, self.sampler, start, sketch, outcome, improvement, told)
 
 
 def load_problem(path: str, options: LoadOptions) -> TabletopProblem:

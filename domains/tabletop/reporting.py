@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from domains.tabletop.actions.actions import Action, MoveBase
 from domains.tabletop.actions.document import document
+from domains.tabletop.bound import execution_bound
 from domains.tabletop.why.after import after
 from domains.tabletop.why.before import before
 from domains.tabletop.world import TabletopWorld
@@ -33,6 +34,7 @@ class TabletopDocument:
 
     world: TabletopWorld
     plan: Plan
+    bounded: bool = True
 
     def save(self, path: Path) -> None:
         """Write the plan file."""
@@ -58,6 +60,12 @@ class TabletopDocument:
     def execution_time(self) -> float:
         """Seconds that the motions of the plan take."""
         return self.plan.execution_time
+
+    @cached_property
+    def execution_lower_bound(self) -> float | None:
+        """Seconds that any plan of the task takes at least; None where a domain adds actions,
+        which may do it quicker."""
+        return execution_bound(self.world, self.world.initial) if self.bounded else None
 
 
 class TabletopReporting:
@@ -93,7 +101,8 @@ class TabletopReporting:
         """The plan of an outcome, as far as it came."""
         world = self.problem.world
         executor = None if self.problem.in_turn else self.problem.executor
-        return TabletopDocument(world, document(world, model, outcome, planner, seed, executor))
+        plan = document(world, model, outcome, planner, seed, executor)
+        return TabletopDocument(world, plan, bounded=not self.problem.sampler.schemas)
 
     def picture(self, state: State) -> Picture:
         """A state seen from above."""

@@ -17,6 +17,10 @@ CONTACT_MARGIN = 0.001
 """Metres kept near contact: objects rest 2 mm above the tables in the published scenes."""
 
 
+FLOOR = boxes_only(np.array([[0.0, 0.0, -0.5, 1e3, 1e3, 0.5, 1.0, 0.0]]))
+"""The floor, in the frame of any base that stands on it."""
+
+
 @dataclass(frozen=True, eq=False)
 class ArmContext:
     """A robot with a body (fingers open or holding) among obstacles in its base frame; upright

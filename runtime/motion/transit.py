@@ -91,16 +91,14 @@ def transit(asked: Question) -> Transit:
     """The quickest motion that was found to be free."""
     out = _near(asked, asked.leave.near, asked.drives[0][0], asked.fingers.before)
     into = _near(asked, asked.come.near, asked.drives[0][-1], asked.fingers.after)
-    choices = [(slow, True) for slow in _slow_choices(asked)]
-    apart = False
+    slow = _slow_choices(asked)
+    choices = [*((joints, True) for joints in slow), (slow[-1], False)]
+    arms = [_Arm.of(asked, out, into, joints, blended) for joints, blended in choices]
     for drive in asked.drives:
-        for slow, blended in choices:
-            found = _overlapped(asked, _Arm.of(asked, out, into, slow, blended), drive)
-            if isinstance(found, Transit):
+        for arm in arms:
+            found = _overlapped(asked, arm, drive)
+            if found is not None:
                 return found
-            apart |= found
-        if apart and choices[-1][1]:
-            choices.append((choices[-1][0], False))
     return _in_turn(asked, out, into)
 
 
@@ -152,14 +150,14 @@ class _Arm:
 
     @classmethod
     def of(cls, asked: Question, out: Floats, into: Floats, slow: Mask, blended: bool) -> _Arm:
-        """`blended` is whether folding may begin before the hand is out, and the hand may go in
-        before the arm is unfolded."""
+        """`blended` is whether corners are cut: folding may begin before the hand is out, and the
+        hand may go in before the arm is unfolded."""
         fold, unfold = asked.leave.free.copy(), asked.come.free.copy()
         start, end = fold[0].copy(), unfold[-1].copy()
         fold[:, slow], unfold[:, slow] = start[slow], end[slow]
         limits = asked.limits
-        folding = _smooth(fold, limits)
-        unfolding = _smooth(unfold, limits)
+        folding = _smooth(fold, limits, blended)
+        unfolding = _smooth(unfold, limits, blended)
         leaving, folds = _put_together(out, folding, limits, blended)
         coming, goes_in = _put_together(unfolding, into, limits, blended)
         straight = line(np.where(slow, end - start, 0.0), limits)
@@ -173,9 +171,14 @@ class _Arm:
         return len(self.leaving) - 1 - self.out
 
 
-def _smooth(path: Floats, limits: Limits) -> Floats:
+def _smooth(path: Floats, limits: Limits, blended: bool) -> Floats:
+    """Rows along a path, with a stop at each sharp corner unless they are blended."""
     parts = [course(s, limits) for s in stretches(path)]
-    return join(parts, limits)[0] if parts else path[:1]
+    if not parts:
+        return path[:1]
+    if blended:
+        return join(parts, limits)[0]
+    return np.vstack([parts[0], *(part[1:] for part in parts[1:])])
 
 
 def _put_together(
@@ -192,9 +195,8 @@ def _put_together(
     return rows, starts[1]
 
 
-def _overlapped(asked: Question, arm: _Arm, drive: Floats) -> Transit | bool:
-    """A transit with one drive, overlapped as far as it is free; where there is none, whether
-    what is in the way is in it at one of its ends."""
+def _overlapped(asked: Question, arm: _Arm, drive: Floats) -> Transit | None:
+    """A transit with one drive, overlapped as far as it is free; None where it is not free."""
     late = early = 0  # how late the base starts, how early it is there: numbers of STEPS
     apart = False  # whether the arm folds all the way before it unfolds
     while True:
@@ -204,7 +206,7 @@ def _overlapped(asked: Question, arm: _Arm, drive: Floats) -> Transit | bool:
             return made[0]
         _, start, end, into = made
         if hit < arm.out or hit >= into:
-            return True
+            return None
         if len(drive) > 1 and hit < (start + end) / 2 and late < len(STEPS) - 1:
             late += 1
         elif len(drive) > 1 and hit >= (start + end) / 2 and early < len(STEPS) - 1:
@@ -212,7 +214,7 @@ def _overlapped(asked: Question, arm: _Arm, drive: Floats) -> Transit | bool:
         elif not apart:
             apart = True
         else:
-            return False
+            return None
 
 
 _Made = tuple[Transit, int, int, int]

@@ -13,7 +13,7 @@ import numpy as np
 
 from runtime.kernels import rows as kernel
 from runtime.kernels.convex import Obstacles
-from runtime.motion.arm_context import FREE_MARGIN
+from runtime.motion.arm_context import CONTACT_MARGIN, FLOOR, FREE_MARGIN
 from runtime.robot.model import HELD_EXTENT, Body, Chain, Floats, RobotModel
 
 BASE = 3
@@ -68,6 +68,20 @@ class Whole:
         return self.body._replace(frame=self.body.frame + BASE)
 
     @cached_property
+    def _moving(self) -> Body:
+        """What the arm moves: what stands on the floor is not tested against it."""
+        body = self._body
+        own = np.flatnonzero(body.frame > BASE)
+        return body._replace(
+            frame=body.frame[own],
+            pose=body.pose[own],
+            half=body.half[own],
+            radius=body.radius[own],
+            shape=body.shape[own],
+            pairs=np.empty((0, 2), dtype=np.int64),
+        )
+
+    @cached_property
     def _sweep(self) -> Floats:
         robot, body = self.robot, self.body
         sweep = whole_sweep(robot)
@@ -85,6 +99,10 @@ class Whole:
             rows = np.vstack([rows, rows])
         rows = np.ascontiguousarray(rows)
         hit = kernel.first_hit(self._chain, self._body, self.obstacles, margin, self._sweep, rows)
+        if hit < 0:
+            hit = kernel.first_hit(
+                self._chain, self._moving, FLOOR, CONTACT_MARGIN, self._sweep, rows
+            )
         return None if hit < 0 else int(hit)
 
     def is_free(self, rows: Floats, margin: float = FREE_MARGIN) -> bool:

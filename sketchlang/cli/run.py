@@ -22,6 +22,7 @@ from sketchlang.cli.common import (
 )
 
 if TYPE_CHECKING:
+    from runtime.improve import Improvement
     from runtime.solve import Result
     from sketchlang.loader import Loaded
 
@@ -75,6 +76,20 @@ Examples:
     type=click.Path(path_type=Path, dir_okay=False),
     help="Write the plan here; of an unsolved run, what it reached to NAME.unsolved.json.",
 )
+@click.option(
+    "--improve",
+    type=Number(min=0),
+    default=0.0,
+    show_default=True,
+    metavar="S",
+    help="Seconds in which a plan that was found is made shorter to execute.",
+)
+@click.option(
+    "--improve-steps",
+    type=click.IntRange(min=0),
+    metavar="N",
+    help="At most so many changes are tried: without --improve, the same seed gives the same plan.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else.")
 @domain_option
 @domain_pddl_option
@@ -89,6 +104,8 @@ def command(
     robot: str | None,
     in_turn: bool,
     out: Path | None,
+    improve: float,
+    improve_steps: int | None,
     as_json: bool,
     domain_file: str | None,
     domain_pddl: str | None,
@@ -97,14 +114,18 @@ def command(
 
     Exit 0: solved. 1: no plan found. 2: bad input.
     """
+    from runtime.improve import Improvement
     from sketchlang.compile import EvaluationError
     from sketchlang.domain import SceneError
     from sketchlang.errors import InputError
 
+    improvement = Improvement(improve, improve_steps)
     loaded = load_valid(sketch, domain_file, pddl_of(scene, domain_pddl))
     check_outputs((sketch, scene, robot, domain_file, domain_pddl), {"--out": out})
     try:
-        report = _run(loaded, scene, planner, seed, timeout, k_max, robot, in_turn, out, as_json)
+        report = _run(
+            loaded, scene, planner, seed, timeout, k_max, robot, in_turn, out, as_json, improvement
+        )
     except (InputError, SceneError) as error:
         fail(error)
     except EvaluationError as error:
@@ -125,6 +146,7 @@ def _run(
     in_turn: bool,
     out: Path | None,
     as_json: bool,
+    improvement: Improvement,
 ) -> dict[str, Any]:
     from runtime.report import make_report, summary
     from runtime.search.limits import Limits
@@ -144,6 +166,10 @@ def _run(
         planner,
         progress=lambda subgoal, seconds: progress(
             f"{seconds:8.2f} s  {subgoal.rule:<14} {task.reporting.describe(subgoal.actions)}"
+        ),
+        improve=improvement,
+        told=lambda tried, seconds: progress(
+            f"{improvement.seconds_taken:8.2f} s  {seconds:.1f} s to execute, after {tried} changes"
         ),
     )
     report = make_report(result)

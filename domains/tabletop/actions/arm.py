@@ -10,9 +10,9 @@ import numpy as np
 from domains.tabletop.actions.reach import ReachSolver
 from domains.tabletop.state import State
 from domains.tabletop.world import TabletopWorld
-from runtime.kernels.convex import seen_from
+from runtime.kernels.convex import join, seen_from
 from runtime.motion import rrt
-from runtime.motion.arm_context import CONTACT_MARGIN, ArmContext
+from runtime.motion.arm_context import CONTACT_MARGIN, FLOOR, ArmContext
 from runtime.robot.model import Floats
 from runtime.world.body import Part
 from runtime.world.poses import Pose, compose, invert, upright
@@ -42,7 +42,8 @@ class Arm:
         x, y, yaw = self.state.base.pose
         obstacles = self.world.obstacles(self.state.placements, without)
         body = self.world.robot.body(opening, tuple(held))
-        return ArmContext(self.world.robot, body, seen_from(obstacles, x, y, yaw, NEAR))
+        near = join(seen_from(obstacles, x, y, yaw, NEAR), FLOOR)
+        return ArmContext(self.world.robot, body, near)
 
     def postures(self, context: ArmContext, tool: Pose) -> Iterator[Floats]:
         """Configurations (n,), free of contact, that bring the tool to a pose (3, 4) in the

@@ -24,7 +24,7 @@ from domains.tabletop.state import UNIT, BasePose, Grasp, Placement, State
 from domains.tabletop.world import TabletopWorld
 from runtime.kernels.convex import Obstacles, join, seen_from
 from runtime.motion import level, rrt
-from runtime.motion.arm_context import ArmContext
+from runtime.motion.arm_context import FLOOR, ArmContext
 from runtime.motion.carry import carrying
 from runtime.motion.motion import ArmMove, Attach, BaseMove, GripperMove, Motion, Release
 from runtime.motion.roads import Roads
@@ -43,6 +43,9 @@ REMEMBERED = 2000
 
 PACE = 0.5
 """Share of the arm's speed that is used where something stands on what it carries."""
+
+POSTURES = 24
+"""Starting points of inverse kinematics where several postures are looked for."""
 
 FURTHER = 3
 """Further postures at a grasp that are tried where the first has no simple way from home, ..."""
@@ -162,6 +165,7 @@ class Executor:
         riders = world.riders(state.placements, index)
         without = {index, *riders}
         others = seen_from(world.obstacles(state.placements, without), x, y, yaw, REACH)
+        others = join(others, FLOOR)
         at = world.rests_at(state.placements, index, placement)
         assert at is not None
         own = [seen_from(world.object_at(index, at, placement.face), x, y, yaw, np.inf)]
@@ -229,6 +233,21 @@ class Executor:
             if not isinstance(motion, Rejection):
                 return motion
         return Rejection("motion_plan", self.world.items[asked.target[0]].name)
+
+    def another(
+        self, state: State, target: Target, taken: Grasp, picks: bool, number: int
+    ) -> Motion | Rejection:
+        """The motion of a manipulation, as for `manipulate`, with the arm in another posture: the
+        first that is found is number 0. Whether the robot can drive off then is not asked."""
+        index, placement, _ = target
+        at = self.world.rests_at(state.placements, index, placement)
+        found = None
+        if at is not None:
+            asked = self._question(state, target, upright(*at), taken)
+            found = next(islice(self._reaches(asked, POSTURES), number, None), None)
+        if found is None:
+            return Rejection("inverse_kinematics", self.world.items[index].name)
+        return self._motion(asked, found, picks, True)
 
     def _seed(self, *parts: object) -> int:
         """A seed that depends on the question asked, not on what was asked before."""

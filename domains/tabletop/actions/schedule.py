@@ -22,13 +22,17 @@ from runtime.motion import timing
 from runtime.motion.course import TICK, arm_limits
 from runtime.motion.drives import drives
 from runtime.motion.motion import ArmMove, BaseMove, GripperMove, Motion, Together
+from runtime.motion.roads import Roads
 from runtime.motion.transit import Fingers, Leg, Question, Transit, transit
 from runtime.motion.whole import Whole
 from runtime.plan.model import TimedPiece
 from runtime.robot.model import Body, Floats, RobotModel
 
-AROUND = 1.4
-"""Metres around the way of the base within which things matter."""
+BULGE = 0.9
+"""Metres by which a curve may leave the rectangle around the way that is known."""
+
+AROUND = BULGE + 1.4
+"""Metres around that rectangle within which things matter."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,11 +96,15 @@ def is_drive(motion: Motion) -> bool:
 
 @dataclass(eq=False)
 class Schedule:
-    """Puts the motions of steps together. `pieces[i]` are those of step i, in order."""
+    """Puts the motions of steps together. `pieces[i]` are those of step i, in order, `seconds`
+    what all of them take so far. Transits between the same motions among the same things are
+    `known` from before, where that is given."""
 
     executor: Executor
     opening: float
     pieces: list[list[TimedPiece]] = field(default_factory=list)
+    known: dict[object, tuple[object, Transit]] = field(default_factory=dict)
+    seconds: float = 0.0
     _leave: Leg | None = None
     _left: int = 0  # the step whose hand is still at the object
     _ways: list[Floats] = field(default_factory=list)
@@ -129,12 +137,15 @@ class Schedule:
             self._go(step.before, self._rest, self.opening, number)
             pieces, self.opening = timing.timed_motion(self._robot, step.motion, self.opening)
             self.pieces[number] += pieces
+            self.seconds += float(sum(piece.times[-1] for piece in pieces))
             paths = [piece.path for piece in step.motion if isinstance(piece, ArmMove)]
             self._posture = paths[-1][-1] if paths else self._posture
             return
         opening = self.opening if found.opening is None else found.opening
         self._go(step.before, found.come, opening, number)
-        self.pieces[number].append(TimedPiece(*timing.timed(self._robot, found.grip, opening)))
+        grip = TimedPiece(*timing.timed(self._robot, found.grip, opening))
+        self.pieces[number].append(grip)
+        self.seconds += float(grip.times[-1])
         self.opening = found.grip.opening
         self._leave, self._left = found.leave, number
         self._posture = found.leave.free[-1]
@@ -149,7 +160,8 @@ class Schedule:
         leave = self._leave or self._rest
         if not self._ways and len(leave.free) == 1 == len(come.free) and opening == self.opening:
             return
-        found = self._transit(state, leave, come, opening)
+        found = self._known_transit(state, leave, come, opening)
+        self.seconds += found.seconds
         driver = self._drivers[0] if self._drivers else number
         ends = [(self._left, 0, found.out)] if self._leave is not None else []
         start = ends[-1][2] if ends else 0
@@ -166,31 +178,43 @@ class Schedule:
         self.opening, self._leave = opening, None
         self._ways, self._drivers = [], []
 
-    def _transit(self, state: State, leave: Leg, come: Leg, opening: float) -> Transit:
-        known = np.vstack([np.array(state.base.pose)[None], *self._ways[1:]])
-        if self._ways:
-            known = self._known()
-        choices = [known[:1]]
-        if len(known) > 1:
-            roads = self.executor.roads_for(state)
-            start, goal = tuple(known[0].tolist()), tuple(known[-1].tolist())
-            turns = roads.can_turn(*start[:2]) and roads.can_turn(*goal[:2])
-            choices = drives(self._robot, start, goal, known, turns, roads.boxes, roads.clearance)
-        everywhere = np.vstack([known, *choices])[:, :2]
+    def _known_transit(self, state: State, leave: Leg, come: Leg, opening: float) -> Transit:
+        """A transit; the same one where motions, drives and what is near by are the same."""
+        known = self._known() if self._ways else np.array(state.base.pose)[None]
         around = near(
             self.executor.world.obstacles(state.placements, ()),
-            everywhere.min(axis=0) - AROUND,
-            everywhere.max(axis=0) + AROUND,
+            known[:, :2].min(axis=0) - AROUND,
+            known[:, :2].max(axis=0) + AROUND,
         )
-        return transit(
-            Question(
+        roads = self.executor.roads_for(state)
+        paths = (leave.free, *leave.near, come.free, *come.near)
+        key = (
+            *map(id, (*paths, roads)), known.tobytes(), around.rows.tobytes(),
+            around.pose.tobytes(), self.opening, opening, state.held, state.grasp,
+        )  # fmt: skip
+        if key not in self.known:
+            asked = Question(
                 leave,
                 come,
-                choices,
+                self._drives(known, roads),
                 self._fingers(state, opening, around),
                 arm_limits(self._robot),
             )
+            # What has an identity is kept with the answer, so that nothing else gets it.
+            self.known[key] = (paths, roads), transit(asked)
+        return self.known[key][1]
+
+    def _drives(self, known: Floats, roads: Roads) -> list[Floats]:
+        """Drives along a known way, or quicker ones within what stands around that."""
+        if len(known) < 2:
+            return [known]
+        start, goal = known[0].tolist(), known[-1].tolist()
+        turns = roads.can_turn(*start[:2]) and roads.can_turn(*goal[:2])
+        found = drives(
+            self._robot, tuple(start), tuple(goal), known, turns, roads.boxes, roads.clearance
         )
+        low, high = known[:, :2].min(axis=0) - BULGE, known[:, :2].max(axis=0) + BULGE
+        return [d for d in found if (d[:, :2] > low).all() and (d[:, :2] < high).all()]
 
     def _known(self) -> Floats:
         """The ways of the base, one after the other, headings not wrapped."""

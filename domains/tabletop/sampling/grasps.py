@@ -41,12 +41,12 @@ class GraspSampler:
         """Grasps of the objects that matter; of all of them once a draw has failed."""
         picks = []
         for index in self._relevant(draw):
-            grasps = self._grasps(draw, index)
+            grasps = self.of(draw, index)
             if grasps:
                 picks.append((index, grasps))
         return picks
 
-    def _grasps(self, draw: Draw, index: int) -> tuple[Grasp, ...]:
+    def of(self, draw: Draw, index: int) -> tuple[Grasp, ...]:
         """Grasps of one object; families that nothing bars take turns."""
         chosen = [self._of_family(draw, index, family) for family in self.world.families]
         found: list[Grasp] = []
