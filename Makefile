@@ -44,7 +44,7 @@ $(READY): requirements.lock pyproject.toml
 
 demo: $(READY)
 	@mkdir -p out
-	$(BIN)/sketchlang run pick_and_place $(SCENE) --out out/plan.json
+	$(BIN)/sketchlang run pick_and_place $(SCENE) --improve 2 --out out/plan.json
 	$(BIN)/sketchlang validate out/plan.json
 	$(BIN)/sketchlang replay out/plan.json --html out/replay.html
 	@echo "to watch it, open out/replay.html in a browser"
