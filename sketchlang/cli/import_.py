@@ -16,7 +16,13 @@ READ = click.Path(path_type=Path)
 WRITTEN = click.Path(path_type=Path, dir_okay=False)
 
 
-@click.group()
+@click.group(
+    epilog="""\b
+Examples:
+  sketchlang import dlplan policy.txt --domain domain.pddl --out policy.sketch
+  sketchlang import tmp nonmono.xml nonmono_pb.pddl --out nonmono.toml
+"""
+)
 def command() -> None:
     """Translate policies of other tools and scenes of benchmarks."""
 
