@@ -35,7 +35,7 @@ def spared() -> Iterator[None]:
     finally:
         gc.unfreeze()
         blocks = sys.getallocatedblocks()  # objects are counted a hundred times slower
-        if not _Last.blocks:
+        if not _Last.blocks or blocks < _Last.blocks:  # or fewer since then
             _Last.blocks = blocks
         elif blocks > _Last.blocks + GROWTH:
             gc.collect()
