@@ -30,20 +30,27 @@ NAMED = 3
 @dataclass(frozen=True)
 class Barrier:
     """The ways of one family: how many there are, how many each thing bars, by name, the fewest
-    things in one way, and how many ways nothing bars (but the robot cannot use)."""
+    things in one way, and how many ways nothing bars (but the robot cannot use). `drives`: whether
+    the robot can stand elsewhere."""
 
     family: int
     ways: int
     barred: dict[str, int]
     nearest: tuple[str, ...]
     free: int
+    drives: bool = True
 
     @property
     def text(self) -> str:
         """The same in a clause."""
         where = FROM[self.family]
         if self.free:
-            return f"{where} there is nowhere to stand, or the arm is too short"
+            short = "the arm is too short"
+            return (
+                f"{where} there is nowhere to stand, or {short}"
+                if self.drives
+                else (f"{where} {short}")
+            )
         many = Counter(self.barred).most_common()
         all_of_them = [name for name, count in many if count == self.ways]
         if all_of_them:
@@ -153,4 +160,5 @@ def _barrier(
             free += not things
             if nearest is None or len(things) < len(nearest):
                 nearest = things
-    return Barrier(family, ways, dict(barred.most_common()), nearest or (), free)
+    known = dict(barred.most_common())
+    return Barrier(family, ways, known, nearest or (), free, not world.is_fixed)
