@@ -15,7 +15,10 @@ from domains.tabletop.scene.load import load_scene
 from domains.tabletop.state import FAMILIES, PINCH, SIDE, TOP, Grasp
 from domains.tabletop.world import TabletopWorld
 from runtime.robot.load import load_robot
+from runtime.search.limits import Limits
+from runtime.solve import open_task
 from runtime.world.poses import compose, invert
+from sketchlang.loader import load_sketch
 from tests.tabletop.scene.texts import write_scene
 
 TABLES = """
@@ -144,3 +147,17 @@ def test_a_scene_in_which_hands_come_from_the_side_only_knows_one_face(tmp_path,
         "robot_start", f'approaches = ["{FAMILIES[0]}"]\nrobot_start'
     )
     assert len(made(tmp_path, robot, text).faces[0]) == 1
+
+
+@pytest.mark.parametrize("name", ["tiago", "franka_mobile"])
+@pytest.mark.parametrize("size", ["[0.3, 0.2, 0.05]", "[0.26, 0.15, 0.035]"])
+def test_a_flat_box_over_the_edge_goes_into_a_bin(tmp_path, name, size) -> None:
+    """Certified, and on another side than before; the plan file says which."""
+    path = write_scene(tmp_path, scene(size, 0.8 + float(size[1:].split(",")[0]) / 2 - 0.08))
+    task = open_task(load_sketch("pick_and_place").checked, str(path), 0, name)
+    solution = task.solve(Limits(timeout=60))
+    assert solution.solved
+    assert solution.plan.validate().valid
+    placed = solution.outcome.state.placements[0]
+    assert placed.face
+    assert solution.plan.plan.actions[-1].arguments["face"] == placed.face
