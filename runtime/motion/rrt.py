@@ -29,15 +29,21 @@ WIDTHS = (0.98, 0.7, 0.5, 0.3, 0.15)
 """Shares of both stages of a way that the arc from one to the other may replace, widest first."""
 
 
-def plan(context: ArmContext, start: Floats, goal: Floats, seed: int) -> Floats | None:
-    """A collision-free path (p, n) from start to goal (n,), or None where none was found."""
+def plan(
+    context: ArmContext, start: Floats, goal: Floats, seed: int, checks: int = MAX_CHECKS
+) -> Floats | None:
+    """A collision-free path (p, n) from start to goal (n,), or None where none was found. A
+    search may test so many configurations."""
+    if not _is_possible(context, start, goal):
+        return None
     path = simple(context, start, goal)
-    if path is not None or not _is_possible(context, start, goal):
+    if path is not None or not checks:
         return path
     for attempt in range(ATTEMPTS):
         # The planner tests states a step apart; a path that the dense check refuses is
         # searched anew at half the step.
-        path = rrt_connect(context, start, goal, seed + attempt, CHECK_RESOLUTION / 2**attempt)
+        step = CHECK_RESOLUTION / 2**attempt
+        path = rrt_connect(context, start, goal, seed + attempt, step, checks)
         if path is None:
             return None
         if context.path_is_free(path):
@@ -46,10 +52,8 @@ def plan(context: ArmContext, start: Floats, goal: Floats, seed: int) -> Floats 
     return None
 
 
-def simple(context: ArmContext, start: Floats, goal: Floats, _seed: int = 0) -> Floats | None:
-    """A collision-free path without a search: a straight line, or two stages."""
-    if not _is_possible(context, start, goal):
-        return None
+def simple(context: ArmContext, start: Floats, goal: Floats) -> Floats | None:
+    """A collision-free path between free ends without a search: a straight line, or two stages."""
     line = np.array([start, goal])
     return line if context.path_is_free(line) else staged(context, start, goal)
 
@@ -83,13 +87,18 @@ def staged(context: ArmContext, start: Floats, goal: Floats) -> Floats | None:
 
 
 def rrt_connect(
-    context: ArmContext, start: Floats, goal: Floats, seed: int, resolution: float
+    context: ArmContext,
+    start: Floats,
+    goal: Floats,
+    seed: int,
+    resolution: float,
+    most: int = MAX_CHECKS,
 ) -> Floats | None:
     """RRT-Connect (Kuffner & LaValle 2000) on the planning joints.
 
     Start and goal must be within the joint limits and free of collision: OMPL waits for
     another goal, without testing states, where one is not. `resolution` is the step, in
-    radians of joint-space distance, between tested states.
+    radians of joint-space distance, between tested states, of which there are at `most` so many.
     """
     from ompl import base as ob
     from ompl import geometric as og
@@ -119,7 +128,7 @@ def rrt_connect(
     def is_over() -> bool:
         nonlocal polls
         polls += 1
-        return checks >= MAX_CHECKS or polls >= MAX_CHECKS
+        return checks >= most or polls >= most
 
     info.setStateValidityChecker(is_valid)
     info.setStateValidityCheckingResolution(resolution / space.getMaximumExtent())

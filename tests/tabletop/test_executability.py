@@ -124,11 +124,11 @@ def barred(problem: TabletopProblem, monkeypatch, number: int) -> list[np.ndarra
     asked_for: list[np.ndarray] = []
     motion = problem.executor._motion
 
-    def barring(asked, reach, picks, searching):
+    def barring(asked, reach, picks, checks):
         asked_for.append(reach.approach[-1])
         if len(asked_for) <= number:
             return Rejection("motion_plan", "a")
-        return motion(asked, reach, picks, searching)
+        return motion(asked, reach, picks, checks)
 
     monkeypatch.setattr(problem.executor, "_motion", barring)
     return asked_for

@@ -53,6 +53,10 @@ FURTHER = 3
 SEARCHED = 2
 """... and the postures for which a way is searched where none of them has."""
 
+CHECKS_A_SEED = 125
+"""Configurations that a search for a way may test, for each seed of inverse kinematics: at a first
+attempt other candidates are cheaper than a long search."""
+
 Answer = TypeVar("Answer", "Reach | None", "Motion | Rejection")
 
 Target = tuple[int, Placement, Grasp]
@@ -151,7 +155,7 @@ class Executor:
             motion: Motion | Rejection = Rejection("motion_plan", name)
             if self.can_leave(after):
                 key = ("motion", picks, reach.approach[-1].tobytes(), asked.key)
-                motion = self._known(key, lambda: self._motion(asked, reach, picks, False))
+                motion = self._known(key, lambda: self._motion(asked, reach, picks, 0))
                 if isinstance(motion, Rejection):
                     key = ("further", picks, seeds, asked.key)
                     motion = self._known(key, lambda: self._further(asked, seeds, picks))
@@ -225,11 +229,12 @@ class Executor:
         found: list[Reach] = []
         for reach in islice(self._reaches(asked, seeds), 1 + FURTHER):
             found.append(reach)
-            motion = self._motion(asked, reach, picks, False) if len(found) > 1 else None
+            motion = self._motion(asked, reach, picks, 0) if len(found) > 1 else None
             if motion is not None and not isinstance(motion, Rejection):
                 return motion
         for reach in found[:SEARCHED]:
-            motion = self._motion(asked, reach, picks, True)
+            checks = min(rrt.MAX_CHECKS, CHECKS_A_SEED * seeds)
+            motion = self._motion(asked, reach, picks, checks)
             if not isinstance(motion, Rejection):
                 return motion
         return Rejection("motion_plan", self.world.items[asked.target[0]].name)
@@ -254,9 +259,10 @@ class Executor:
         return zlib.crc32(repr((self.seed, parts)).encode())
 
     def _motion(
-        self, asked: Manipulation, reach: Reach, picks: bool, searching: bool
+        self, asked: Manipulation, reach: Reach, picks: bool, checks: int
     ) -> Motion | Rejection:
-        """The motion with a reach, or none; its free ways are simple ones, or searched for."""
+        """The motion with a reach, or none; its free ways are simple ones, or searched for by so
+        many tests of configurations."""
         world, robot = self.world, self.world.robot
         index, placement, grasp = asked.target
         item = world.item(index, placement.face)
@@ -266,16 +272,15 @@ class Executor:
         carrying = self._carrying(index, asked.taken, full.body, asked.riders)
         if carrying is None:
             return Rejection("motion_plan", item.name)
-        way = rrt.plan if searching else rrt.simple
-        there = way(empty, robot.home, reach.approach[0], seed)
+        there = rrt.plan(empty, robot.home, reach.approach[0], seed, checks)
         if there is None:
             return Rejection("motion_plan", item.name)
         if asked.riders:
-            rounds = level.ROUNDS if searching else 1
+            rounds = level.ROUNDS if checks else 1
             up = asked.taken.up
             back = level.plan(full, reach.retreat[-1], carrying, up, seed + 1, rounds)
         else:
-            back = way(full, reach.retreat[-1], carrying, seed + 1)
+            back = rrt.plan(full, reach.retreat[-1], carrying, seed + 1, checks)
         if back is None:
             return Rejection("motion_plan", item.name)
         pace = PACE if asked.riders else 1.0
