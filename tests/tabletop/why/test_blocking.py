@@ -61,7 +61,7 @@ def unsolved(folder: Any, scene: SmallScene) -> dict[str, Any] | None:
     if outcome.solved:
         return None
     assert outcome.reason
-    about = [f for f in outcome.why if f.get("object") == "a" and f["cause"] != "refused"]
+    about = [f for f in outcome.why if f.get("object") == "a" and "rule" not in f]
     return about[0] if about else {}
 
 
