@@ -1,7 +1,7 @@
 """The one path from a sketch and a problem to an outcome.
 
-The command line, the benchmarks and Python users come this way; the closed loop asks for one subgoal at
-a time (`runtime.search.query`).
+The command line, the benchmarks and Python users come this way; the closed loop asks for one
+subgoal at a time (`runtime.search.query`).
 """
 
 from __future__ import annotations
