@@ -93,10 +93,12 @@ def transit(asked: Question) -> Transit:
     into = _near(asked, asked.come.near, asked.drives[0][-1], asked.fingers.after)
     slow = _slow_choices(asked)
     choices = [*((joints, True) for joints in slow), (slow[-1], False)]
-    arms = [_Arm.of(asked, out, into, joints, blended) for joints, blended in choices]
+    arms: list[_Arm] = []
     for drive in asked.drives:
-        for arm in arms:
-            found = _overlapped(asked, arm, drive)
+        for number, (joints, blended) in enumerate(choices):
+            if number == len(arms):
+                arms.append(_Arm.of(asked, out, into, joints, blended))
+            found = _overlapped(asked, arms[number], drive)
             if found is not None:
                 return found
     return _in_turn(asked, out, into)

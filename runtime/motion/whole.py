@@ -7,7 +7,7 @@ test the whole robot, in the frame of the world.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -24,6 +24,7 @@ TURN = np.array([[0.0, 0.0, 1.0, 0.0], [1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0
 upright again."""
 
 
+@lru_cache(maxsize=8)
 def whole_chain(robot: RobotModel) -> Chain:
     """The chain of base and arm."""
     return Chain(
@@ -32,8 +33,10 @@ def whole_chain(robot: RobotModel) -> Chain:
     )
 
 
+@lru_cache(maxsize=8)
 def whole_sweep(robot: RobotModel) -> Floats:
-    """How far a part of each frame moves for one unit of each joint, as `RobotModel.sweep`."""
+    """How far a part of each frame moves for one unit of each joint, as `RobotModel.sweep`; not
+    to be written to."""
     n = len(robot.joints)
     lengths = np.linalg.norm(robot.chain.origins[:, :, 3], axis=1)
     travel = np.maximum(np.abs(robot.lower), np.abs(robot.upper))
@@ -84,7 +87,7 @@ class Whole:
     @cached_property
     def _sweep(self) -> Floats:
         robot, body = self.robot, self.body
-        sweep = whole_sweep(robot)
+        sweep = whole_sweep(robot).copy()
         moving = body.frame == len(robot.joints)
         reach = np.linalg.norm(body.pose[moving, :, 3], axis=1) + body.radius[moving]
         beyond = float(reach.max(initial=0.0)) - float(np.linalg.norm(robot.tool[:, 3]))
