@@ -9,6 +9,7 @@ from domains.tabletop.features import swept
 from domains.tabletop.features.arrangement import Arrangement, Thought
 from domains.tabletop.features.clearing import NEVER, all_to_clear, clearing_costs, least_cost
 from domains.tabletop.scene.load import load_scene
+from domains.tabletop.state import Placement
 from domains.tabletop.world import TabletopWorld
 from runtime.robot.load import load_robot
 from tests.tabletop.scene.texts import write_scene
@@ -156,37 +157,64 @@ TABLES = (
 )
 
 
+def grid_world(tmp_path, holes: set[int], more: str = "") -> TabletopWorld:
+    """Sticks 8 cm apart, five by five, but for some; all belong on the other table."""
+    sticks = [
+        STICK.format(i, 0.8 + (i // 5 - 2) * 0.08, (i % 5 - 2) * 0.08)
+        for i in range(25)
+        if i not in holes
+    ]
+    goals = [f'[[goal]]\nobject = "s{i}"\non = "b"\n' for i in range(25) if i not in holes]
+    scene = load_scene(write_scene(tmp_path, "".join([TABLES, *sticks, *goals, more])))
+    return TabletopWorld.of(scene, load_robot("tiago"))
+
+
 def test_what_is_thought_to_be_there_counts_as_what_is_there(tmp_path) -> None:
     """In a dense grid: the answer with an object thought to be at a place is that of the
-    arrangement in which it is there, but for its own ways, which are taken to be free."""
-    sticks = [
-        STICK.format(f"{i}_{j}", 0.8 + (i - 2) * 0.08, (j - 2) * 0.08)
-        for i in range(5)
-        for j in range(5)
-    ]
-    goals = [f'[[goal]]\nobject = "s{i}_2"\non = "b"\n' for i in range(5)]
-    scene = load_scene(write_scene(tmp_path, "".join([TABLES, *sticks, *goals])))
-    world = TabletopWorld.of(scene, load_robot("tiago"))
+    arrangement in which it is there, where nothing bars that one."""
+    world = grid_world(tmp_path, {6, 12, 18})
     whole = world.initial.placements
-    rng, raised = np.random.default_rng(0), 0
-    for _ in range(12):
-        index = int(rng.integers(len(sticks)))
-        placements = (*whole[:index], None, *whole[index + 1 :])
-        without = Arrangement.afresh(world, placements)
-        there = Arrangement.afresh(world, whole)
+    rng, seen, dearer = np.random.default_rng(0), set(), 0
+    for _ in range(14):
+        index = int(rng.integers(len(whole)))
+        without = Arrangement.afresh(world, (*whole[:index], None, *whole[index + 1 :]))
+        x, y = rng.uniform([0.5, -0.3], [1.1, 0.3])
+        placement = Placement.of(x, y, 0.0, 0)
+        there = Arrangement.afresh(world, (*whole[:index], placement, *whole[index + 1 :]))
+        if not there.free_headings(index, world.families[0]):
+            continue
+        extra = Thought(without, index, there.boxes[index])
+        others = [i for i in range(len(whole)) if i != index]
+        assert extra.costs[others].tolist() == there.costs[others].tolist()
+        dearer += int((extra.costs > without.costs)[others].sum())
         for other in world.scene.goals:
             goal = world.goal_sites(other, without)
             assert goal is not None
-            if other == index:
-                continue
-            placement = whole[index]
-            assert placement is not None
-            count = without.disturbed_by(index, placement, frozenset([other]))
-            before, after = without.obstructions(other, goal), there.obstructions(other, goal)
-            if there.free_headings(index, world.families[0]):
-                assert count == (after > before)
-            raised += count
-    assert raised
+            if other != index:
+                raised = there.obstructions(other, goal) > without.obstructions(other, goal)
+                count = without.disturbed_by(index, placement, frozenset([other]))
+                assert count == raised
+                seen.add((bool(extra.bars[:, other].any()), raised))
+    assert seen == {(False, False), (True, False), (True, True)}
+    assert dearer
+
+
+def test_a_place_in_a_grid_is_not_harmless_and_one_apart_is(tmp_path) -> None:
+    """Sticks that belong into the holes of a grid, where they bar others, or apart from it."""
+    spots = [(0.72, -0.08), (0.8, 0.0), (0.88, 0.08), (-1.6, 0.5)]
+    more = "".join(
+        STICK.format(30 + k, -2.0, 0.2 * k - 0.3)
+        + f'[[goal]]\nobject = "s{30 + k}"\nat = [{x}, {y}]\n'
+        for k, (x, y) in enumerate(spots)
+    )
+    world = grid_world(tmp_path, {6, 12, 18}, more)
+    here = Arrangement.afresh(world, world.initial.placements)
+    found = []
+    for index in range(22, 26):
+        goal = world.goal_sites(index, here)
+        assert goal is not None
+        found.append(here.has_harmless_site(index, goal, range(22)))
+    assert found == [False, False, False, True]
 
 
 def test_what_is_certainly_in_nobodys_way_disturbs_nobody(tmp_path) -> None:
