@@ -704,6 +704,8 @@ class Arrangement:
             open_ones = {f: ways for f, ways in places.items() if ways.reachable.any()}
             for family, ways in (open_ones or places).items():
                 plus = self._barred_by(ways, family, boxes, known_as, world.kinds[other])
+                if plus is None:
+                    continue
                 harmless = ~plus.any(axis=0)
                 if goal.modulus == 1:
                     harmless |= (ways.free[:, None] & ~plus).any(axis=0)
@@ -712,14 +714,18 @@ class Arrangement:
 
     def _barred_by(
         self, ways: Places, family: int, boxes: Floats, known_as: Hashable, kind: int
-    ) -> Ints:
-        """Bits (S, b) of the headings to the sites of a goal that boxes bar."""
+    ) -> Ints | None:
+        """Bits (S, b) of the headings to the sites of a goal that boxes bar; None where they bar
+        none: most goals are far from each other."""
+
+        def compute() -> Ints | None:
+            found = _place_barred(self.world, ways, family, boxes)
+            return found if found.any() else None
+
         if known_as is None or ways.goal.frame is not None:
-            return _place_barred(self.world, ways, family, boxes)
+            return compute()
         question = (known_as, ways.goal.key, kind, family, ways.hold.key)
-        return self.world.memory.answer(
-            "sites bar sites", question, lambda: _place_barred(self.world, ways, family, boxes)
-        )
+        return self.world.memory.answer("sites bar sites", question, compute)
 
     def _both_far(self, extra: Thought, other: int, goal: GoalSites) -> bool:
         """Whether a box is too far from an object and from its goal to be in its way."""
