@@ -34,17 +34,22 @@ TRIES = 8
 KEPT = 1.0005
 """Factor by which limits may be passed: rounding."""
 
+ROUNDED = 1e-6
+"""How far a value may be beyond its range (rad, m): rounding."""
+
 SHARP = math.cos(math.radians(20.0))
 """A path turns a corner where its direction changes by more than this."""
 
 
 @dataclass(frozen=True, eq=False)
 class Limits:
-    """Speeds, accelerations and jerks (d,) of some coordinates."""
+    """Speeds, accelerations and jerks (d,) of some coordinates, and the lowest and highest values
+    (2, d) where there are some."""
 
     velocity: Floats
     acceleration: Floats
     jerk: Floats
+    within: Floats | None = None
 
     @property
     def window(self) -> int:
@@ -54,17 +59,23 @@ class Limits:
 
     def excess(self, rows: Floats) -> float:
         """By which factor a motion in rows, at rest before and after, would have to be slower to
-        keep the limits; up to 1 where it keeps them."""
+        keep the limits; up to 1 where it keeps them, infinite where it leaves its range."""
+        if self.within is not None:
+            beyond = np.maximum(self.within[0] - rows, rows - self.within[1])
+            if beyond.max(initial=0.0) > ROUNDED:
+                return math.inf
         found: float = kernel.excess(rows, TICK, self.velocity, self.acceleration, self.jerk)
         return found
 
     def of(self, chosen: Ints) -> Limits:
         """Those of some of the coordinates."""
-        return Limits(self.velocity[chosen], self.acceleration[chosen], self.jerk[chosen])
+        within = None if self.within is None else self.within[:, chosen]
+        return Limits(self.velocity[chosen], self.acceleration[chosen], self.jerk[chosen], within)
 
     def slower(self, factor: float) -> Limits:
         """Those of a motion that takes so many times as long."""
-        return Limits(self.velocity / factor, self.acceleration / factor**2, self.jerk / factor**3)
+        rates = (self.velocity / factor, self.acceleration / factor**2, self.jerk / factor**3)
+        return Limits(*rates, self.within)
 
     def along(self, span: Floats) -> Limits:
         """The limits (1,) of the share of a line (d,)."""
@@ -75,7 +86,8 @@ class Limits:
 
 def arm_limits(robot: RobotModel) -> Limits:
     """The limits of the planning joints."""
-    return Limits(robot.velocity, robot.acceleration, robot.jerk)
+    within = np.array([robot.lower, robot.upper])
+    return Limits(robot.velocity, robot.acceleration, robot.jerk, within)
 
 
 def base_limits(robot: RobotModel) -> Limits:
@@ -109,6 +121,8 @@ def course(path: Floats, limits: Limits, share: float = TURNING) -> Floats:
         over = limits.excess(rows)
         if over <= KEPT:
             return rows
+        if math.isinf(over):
+            break
         slower *= 1.001 * over
     return with_stops(path, limits)
 

@@ -231,8 +231,15 @@ def _made(
     end = start + len(drive) - 1
     straight = arm.out + len(arm.straight) - 1
     turning = len(asked.fingers.openings) - 1
-    # When the hand goes in; by then the base is there, and so are fingers and straight joints.
-    into = max(end + round(early * arm.into), straight, arm.out + turning, arm.out + arm.into)
+    # When the hand goes in; by then the base is there, and so are fingers and straight joints, and
+    # the arm that leaves is at rest: near an object the motion is that which was tested there.
+    into = max(
+        end + round(early * arm.into),
+        straight,
+        arm.out + turning,
+        arm.out + arm.into,
+        len(arm.leaving) - 1,
+    )
     unfolds = into - arm.into
     if apart:
         unfolds = max(unfolds, len(arm.leaving) - 1)
