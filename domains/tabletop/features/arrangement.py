@@ -114,7 +114,9 @@ class Arrangement:
     places: dict[object, Places] = field(default_factory=dict)
     alpha: dict[tuple[int, Grasp | None], int] = field(default_factory=dict)
     beta: dict[tuple[int, Grasp | None], int] = field(default_factory=dict)
-    harm: dict[object, NDArray[np.bool_]] = field(default_factory=dict)
+    harm: dict[object, tuple[NDArray[np.bool_], Ints]] = field(default_factory=dict)
+    left: dict[object, NDArray[np.bool_]] = field(default_factory=dict)
+    groups: dict[frozenset[int], dict[Hashable, tuple[int, ...]]] = field(default_factory=dict)
     misplaced: dict[Grasp | None, frozenset[int]] = field(default_factory=dict)
     letters: dict[str, dict[int, GoalSites]] = field(default_factory=dict)
 
@@ -656,21 +658,40 @@ class Arrangement:
         found: NDArray[np.bool_] = ~taken
         return found
 
-    def has_harmless_site(self, index: int, goal: GoalSites, others: Iterable[int]) -> bool:
+    def has_harmless_site(self, index: int, goal: GoalSites, others: frozenset[int]) -> bool:
         """Whether an object could go to a site of its goal, on furniture, where it certainly is in
         nobody's way: it bars no heading to any object, and leaves a free one to the goals of the
         others. That holds, too, once the object itself is away."""
         world = self.world
-        boxes = world.site_boxes(index, goal)
         key = (goal.key, world.kinds[index])
         if key not in self.harm:
-            self.harm[key] = self.bars(boxes) != 0
-        harm = self.harm[key].copy()
-        harm[:, index] = False
-        harmless = self.free_sites(index, goal) & ~harm.any(axis=(0, 1))
-        return bool(
-            harmless.any() and (harmless & self._leaves_places(boxes, others, known_as=key)).any()
-        )
+            harm = (self.bars(world.site_boxes(index, goal)) != 0).any(axis=0)
+            self.harm[key] = harm, harm.sum(axis=0)
+        harm, harmed = self.harm[key]
+        harmless = self.free_sites(index, goal) & (harmed == harm[index])
+        if not harmless.any():
+            return False
+        groups = self._groups_of(others)
+        alone = next((g for g in groups if groups[g] == (index,)), None)
+        # Of one kind with one goal any will do, but where things ride on each other.
+        question = (key, others, alone, index if world.owned else None)
+        if question not in self.left:
+            boxes = world.site_boxes(index, goal)
+            asked = [group[group[0] == index] for g, group in groups.items() if g != alone]
+            self.left[question] = self._leaves_places(boxes, asked, known_as=key)
+        return bool((harmless & self.left[question]).any())
+
+    def _groups_of(self, others: frozenset[int]) -> dict[Hashable, tuple[int, ...]]:
+        """Objects that stand somewhere, the first two of each kind with the same goal."""
+        if others not in self.groups:
+            found: dict[Hashable, tuple[int, ...]] = {}
+            for other in sorted(others):
+                goal = self.world.goal_sites(other, self)
+                if self.present[other] and goal is not None:
+                    group = (goal.key, self.world.kinds[other], self._face(other, None))
+                    found[group] = (*found.get(group, ()), other)[:2]
+            self.groups[others] = found
+        return self.groups[others]
 
     def bars(self, boxes: Floats) -> Ints:
         """The headings to each object that boxes (b, 8) bar, for each family (F, n, b)."""

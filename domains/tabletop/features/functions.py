@@ -146,11 +146,10 @@ def _disturbances(state: State, index: int, here: Arrangement) -> int:
         # What it is to stand on is in the hand: on its way to its goal, or not.
         return int(owner in others)
     settled = owner is None and all(other in state.world.goals for other in others)
-    if settled and 0 in _faces(state, index, goal):
-        # No goal depends on where things are: what is certain need not be looked at without it.
-        standing = [other for other in others if other != index and here.present[other]]
-        if here.has_harmless_site(index, goal, standing):
-            return 0
+    # If no goal depends on where things are, what is certain need not be looked at without it.
+    certain = settled and 0 in _faces(state, index, goal)
+    if certain and here.has_harmless_site(index, goal, others):
+        return 0
     fewest = len(others)
     for placement in goal_placements(state, index) or goal.placements:
         fewest = min(fewest, _without(state, index).disturbed_by(index, placement, others))
