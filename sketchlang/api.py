@@ -67,15 +67,20 @@ def plan(
     k_max: int = 2,
     domain: str | Path | None = None,
     in_turn: bool = False,
+    improve: float = 0.0,
+    improve_steps: int | None = None,
 ) -> Result:
     """Plan a scene (a path, or the name of a built-in one) with a sketch. The same seed gives
     the same plan; `timeout` are seconds of planning, `k_max` the largest width of IW(k). Base and
-    arm move at once where they can, or each `in_turn`.
+    arm move at once where they can, or each `in_turn`. For `improve` seconds, or `improve_steps`
+    changes, a plan is looked for that takes less time to carry out.
 
     Raises:
-        InputError: sketch, scene or robot are not as they should be.
+        InputError: sketch, scene or robot are not as they should be, or plans of the domain
+            cannot be improved.
         sketchlang.compile.EvaluationError: a function of the domain breaks its promise.
     """
+    from runtime.improve import Improvement
     from runtime.search.limits import Limits
     from runtime.search.planners import DEFAULT
     from runtime.solve import open_task
@@ -84,7 +89,9 @@ def plan(
     task = open_task(
         loaded.checked, str(scene), seed, None if robot is None else str(robot), in_turn
     )
-    return Result(task.solve(Limits(timeout=timeout, k_max=k_max), planner or DEFAULT), loaded)
+    limits = Limits(timeout=timeout, k_max=k_max)
+    better = Improvement(improve, improve_steps)
+    return Result(task.solve(limits, planner or DEFAULT, improve=better), loaded)
 
 
 @dataclass(frozen=True, eq=False)

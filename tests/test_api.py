@@ -30,12 +30,18 @@ def test_the_examples_of_the_page_run(tmp_path, monkeypatch, capsys) -> None:
 
 def test_the_page_has_the_parameters_of_plan() -> None:
     (shown,) = re.findall(r"`plan\((.*?)\)`", PAGE.read_text(encoding="utf-8"), re.S)
-    parameters = inspect.signature(api.plan).parameters
-    assert [word.split("=")[0] for word in shown.split(", ") if word != "*"] == list(parameters)
-    for word in shown.split(", "):
+    parameters, words = inspect.signature(api.plan).parameters, re.split(r",\s+", shown)
+    assert [word.split("=")[0] for word in words if word != "*"] == list(parameters)
+    for word in words:
         name, _, default = word.partition("=")
         if default:
             assert repr(parameters[name].default) == default
+
+
+def test_an_improved_plan_takes_no_longer() -> None:
+    found = [api.plan("pick_and_place", "sorting/3t-02", improve_steps=n) for n in (0, 8)]
+    assert all(result.solved for result in found)
+    assert found[1].plan.execution_time <= found[0].plan.execution_time
 
 
 def test_what_is_offered_is_there_and_nothing_else() -> None:
