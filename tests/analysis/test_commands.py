@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner, Result
 
-from benchmarks.families import FAMILIES
+from benchmarks.families import FAMILIES, weighted_sum
 from sketchlang.cli import cli
 from tests.analysis.known import PAPER
 
@@ -192,6 +192,15 @@ def test_graph_of_a_large_sketch(sketch: Path) -> None:
     assert result.exit_code == 2
     assert "--view rules" in result.stderr
     assert run("graph", sketch, "--view", "rules").exit_code == 0
+
+
+def test_the_solver_of_linear_programmes_prints_nothing(tmp_path: Path) -> None:
+    path = tmp_path / "sum.sketch"
+    path.write_text(weighted_sum(12, 200))
+    command = [sys.executable, "-m", "sketchlang", "terminate", str(path), "--json"]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert json.loads(done.stdout)["method"] == "potentials"
+    assert not done.stderr
 
 
 @pytest.mark.skipif(os.name != "posix", reason="signals")

@@ -107,7 +107,7 @@ def test_several_mistakes_are_found_in_order() -> None:
     source = Source("t", text)
     found = parse(source)[1]
     assert [(source.position(d.primary.span.start)[0], d.code) for d in found] == [
-        (1, "missing-name"),
+        (1, "foreign-notation"),
         (2, "foreign-notation"),
         (3, "unclosed-block"),
         (4, "missing-arrow"),
