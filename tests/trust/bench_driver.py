@@ -54,6 +54,9 @@ WORKS = {"values": values, "endless": endless}
 
 
 def main() -> None:
+    # Who starts the tests in the background may have told them to ignore these.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
     prepare_process()
     path, count, work = Path(sys.argv[1]), int(sys.argv[2]), (sys.argv[3:] or ["values"])[0]
     with store.opened(path) as results:

@@ -35,14 +35,8 @@ def driver(path: Path, count: int, work: str = "values") -> subprocess.Popen[str
         stdout=subprocess.PIPE,
         stderr=subprocess.DEVNULL,
         text=True,
-        preexec_fn=heeds_signals,
     )
 
-
-def heeds_signals() -> None:
-    """Who starts the tests in the background may have told them to ignore these."""
-    for sign in (signal.SIGINT, signal.SIGHUP):
-        signal.signal(sign, signal.SIG_DFL)
 
 
 def seeds(path: Path) -> list[int]:
