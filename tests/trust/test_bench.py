@@ -38,7 +38,6 @@ def driver(path: Path, count: int, work: str = "values") -> subprocess.Popen[str
     )
 
 
-
 def seeds(path: Path) -> list[int]:
     """Of the results in a store, as its lines have them."""
     return [json.loads(line)["seed"] for line in path.read_text().splitlines()]
