@@ -205,8 +205,8 @@ def test_the_solver_of_linear_programmes_prints_nothing(tmp_path: Path) -> None:
 
 @pytest.mark.skipif(os.name != "posix", reason="signals")
 def test_ctrl_c_ends_cleanly(tmp_path: Path) -> None:
-    path = tmp_path / "gray.sketch"
-    path.write_text(GRAY)
+    path = tmp_path / "long.sketch"
+    path.write_text(dense(24, 40, 4))  # a proof of some ten seconds
     command = [sys.executable, "-c", "from sketchlang.cli import main; main()", "terminate"]
     process = subprocess.Popen(
         [*command, str(path)],
