@@ -206,8 +206,11 @@ def test_the_solver_of_linear_programmes_prints_nothing(tmp_path: Path) -> None:
 @pytest.mark.skipif(os.name != "posix", reason="signals")
 def test_ctrl_c_ends_cleanly(tmp_path: Path) -> None:
     path = tmp_path / "long.sketch"
-    path.write_text(dense(24, 40, 4))  # a proof of some ten seconds
-    command = [sys.executable, "-c", "from sketchlang.cli import main; main()", "terminate"]
+    path.write_text(FAMILIES["dense"](24, 40, 4))  # a proof of some ten seconds
+    # Who starts the tests in the background may have told them to ignore the signal.
+    heeds = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
+    code = heeds + "from sketchlang.cli import main; main()"
+    command = [sys.executable, "-c", code, "terminate"]
     process = subprocess.Popen(
         [*command, str(path)],
         stdout=subprocess.PIPE,
