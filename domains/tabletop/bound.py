@@ -23,6 +23,7 @@ from domains.tabletop.features.functions import misplaced
 from domains.tabletop.scene.model import AnyGoal, HeldGoal, PoseGoal, RegionGoal
 from domains.tabletop.state import State
 from domains.tabletop.world import TabletopWorld
+from runtime.assignment import least_assignment
 from runtime.motion.course import least_time
 from runtime.robot.model import Floats
 
@@ -53,8 +54,6 @@ def _between(
 ) -> float:
     """The least that going to a next object takes, from the start and after each object but the
     last one."""
-    from scipy.optimize import linear_sum_assignment
-
     x, y, _ = state.base.pose
     count = len(froms)
     costs: Floats = np.zeros((count + 1, count + 1))
@@ -63,8 +62,7 @@ def _between(
         for i in range(count):
             costs[i + 1, j] = _way(world, box, to[i], reach) if i != j else 1e6
     costs[0, count] = 1e6  # something is first
-    rows, columns = linear_sum_assignment(costs)
-    return float(costs[rows, columns].sum())
+    return least_assignment(costs)
 
 
 def _way(world: TabletopWorld, box: Box, others: list[Box], reach: float) -> float:
