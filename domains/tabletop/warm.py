@@ -8,6 +8,7 @@ from domains.tabletop.actions.executability import Executor
 from domains.tabletop.actions.schedule import Step, scheduled
 from domains.tabletop.features import functions
 from domains.tabletop.sampling.samples import Sampler
+from domains.tabletop.sampling.stands import stand
 from domains.tabletop.scene.boxes import scene_of_boxes, standing_box
 from domains.tabletop.scene.model import (
     Obstacle,
@@ -65,7 +66,11 @@ def warm_up(robot: RobotModel) -> None:
     placed = np.zeros((len(body.frame), 3, 4))
     arm.body_collides(body, placed, boxes_only(world.statics), 0.01)
     within_reach(world.statics, 0.0, 0.0, 1.0)
+    world.roads.lane((0.62, 0.0, 0.0))
+    world.room.contains(0.0, 0.0)
+    stand((0.5, 0.1), (0.6, 0.1), (0.0, 0.0), 0.1, 0.2, 0.3)
     context = ArmContext(robot, body, world.statics)
+    rrt.staged(context, robot.home, robot.home * 0.999)
     path = rrt.rrt_connect(context, robot.home, robot.home * 0.999, 1, 0.1)
     if path is not None:
         rrt.shorten(context, np.vstack([path, path[::-1], path]), rng)

@@ -323,10 +323,10 @@ def test_both_planners_are_valid(tmp_path: Path, scene: str) -> None:
 @pytest.mark.slow
 def test_memory_stays_under_a_gigabyte(tmp_path: Path) -> None:
     script = (
-        "import sys; from sketchlang.cli import main\n"
+        "import atexit, sys; from sketchlang.cli import main\n"
         "from sketchlang.analysis.limits import peak_memory_mb\n"
-        "try: main()\n"
-        "finally: print(peak_memory_mb(), file=sys.stderr)\n"
+        "atexit.register(lambda: print(peak_memory_mb(), file=sys.stderr))\n"
+        "main()\n"
     )
     command = [sys.executable, "-c", script, "run", "pick_and_place", "sorting/4t-07", "--json"]
     done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT, check=False)
