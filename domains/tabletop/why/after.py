@@ -15,6 +15,7 @@ from domains.tabletop.features.functions import (
     obstructions,
 )
 from domains.tabletop.features.goals import GoalSites
+from domains.tabletop.features.swept import UNREACHABLE
 from domains.tabletop.ground import Ground
 from domains.tabletop.items import why_not
 from domains.tabletop.state import State
@@ -161,7 +162,9 @@ class _Stuck:
         """What the features estimate, and what X refused."""
         world, state, index, name = self.world, self.state, self.index, self.name
         here = arrangement(world, state.placements)
-        if obstructions(state, index) and here.in_the_way(index, self.goal):
+        least = obstructions(state, index)
+        # Beyond what can be counted: there is no way at all, with what stands about.
+        if least >= UNREACHABLE or (least and here.in_the_way(index, self.goal)):
             return self._obstructed()
         if refused:
             said = ", ".join(f"{n} times {STEPS.get(s, s)}" for s, n in refused.most_common())
