@@ -18,16 +18,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from statistics import median
 
-SCENES = (
-    "sorting/3t-02",
-    "sorting/4t-07",
-    "sorting/1t-20",
-    "sorting/3t-25",
-    "sorting/4t-28",
-    "non_monotonic/2t-11",
-    "words/tamp",
-    "words/robot",
-)
+from runtime.bench.paper import SCENES
 
 ROOT = Path(__file__).resolve().parent.parent
 

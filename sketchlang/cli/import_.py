@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
 
@@ -14,6 +15,15 @@ from sketchlang.cli.common import check_outputs, fail, interruptible, say
 
 READ = click.Path(path_type=Path)
 WRITTEN = click.Path(path_type=Path, dir_okay=False)
+
+
+def _of_a_policy(command: Callable[..., None]) -> Callable[..., None]:
+    """The argument and the options of commands that translate a policy."""
+    command = click.option("--out", type=WRITTEN, help="Write it here.")(command)
+    command = click.option(
+        "--domain", "domain_pddl", required=True, metavar="FILE", help="The PDDL domain."
+    )(command)
+    return click.argument("file", type=READ)(command)
 
 
 @click.group(
@@ -33,9 +43,7 @@ Example:
   sketchlang import dlplan policy.txt --domain domain.pddl --out policy.sketch
 """
 )
-@click.argument("file", type=READ)
-@click.option("--domain", "domain_pddl", required=True, metavar="FILE", help="The PDDL domain.")
-@click.option("--out", type=WRITTEN, help="Write it here.")
+@_of_a_policy
 @interruptible
 def dlplan(file: Path, domain_pddl: str, out: Path | None) -> None:
     """Translate the policy or sketch of dlplan in FILE.
@@ -55,9 +63,7 @@ Example:
   sketchlang import runir policy.txt --domain domain.pddl --out policy.sketch
 """
 )
-@click.argument("file", type=READ)
-@click.option("--domain", "domain_pddl", required=True, metavar="FILE", help="The PDDL domain.")
-@click.option("--out", type=WRITTEN, help="Write it here.")
+@_of_a_policy
 @interruptible
 def runir(file: Path, domain_pddl: str, out: Path | None) -> None:
     """Translate the policy or sketch of runir in FILE.
