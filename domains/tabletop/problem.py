@@ -10,9 +10,11 @@ import numpy as np
 from domains.tabletop.actions.actions import ActionSchema
 from domains.tabletop.actions.added import Added
 from domains.tabletop.actions.executability import Executor
+from domains.tabletop.features.functions import misplaced, obstructions
 from domains.tabletop.improve.search import improve
 from domains.tabletop.reporting import TabletopReporting
 from domains.tabletop.sampling.samples import Sampler
+from domains.tabletop.sampling.whole import sample_whole
 from domains.tabletop.scene.load import load_scene
 from domains.tabletop.state import State
 from domains.tabletop.subproblem import MAX_SEEDS, SEEDS, TabletopSubproblem
@@ -61,6 +63,15 @@ class TabletopProblem:
         """Sample a subproblem."""
         samples = self.sampler.sample(state, attempt, rng)
         return TabletopSubproblem(samples, self.executor, min(MAX_SEEDS, SEEDS * 2**attempt))
+
+    def whole(self, attempt: int, rng: np.random.Generator) -> TabletopSubproblem:
+        """Samples for all of the task, for searches that do not cut it into subproblems."""
+        samples = sample_whole(self.sampler, self.initial, attempt, rng)
+        return TabletopSubproblem(samples, self.executor, min(MAX_SEEDS, SEEDS * 2**attempt))
+
+    def counters(self, state: State) -> tuple[int, ...]:
+        """What is in the way of misplaced objects, all together, for best-first searches."""
+        return (sum(obstructions(state, index) for index in misplaced(state)),)
 
     def improve(
         self, sketch: CompiledSketch, outcome: Outcome, improvement: Improvement, told: Told

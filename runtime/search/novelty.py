@@ -1,9 +1,10 @@
-"""The novelty table of IW(k) (Lipovetzky & Geffner 2012; paper, Width)."""
+"""The novelty tables of IW(k) (Lipovetzky & Geffner 2012; paper, Width) and BFWS (2017)."""
 
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterable
 from itertools import combinations
+from typing import Any
 
 Atoms = tuple[Hashable, ...]
 
@@ -44,3 +45,33 @@ def new_tuples(atoms: Atoms, known: frozenset[Hashable], k: int) -> tuple[Hashab
         for places in combinations(range(len(atoms)), size)
         if not chosen.isdisjoint(places)
     )
+
+
+class PartitionedNovelty:
+    """Novelty of BFWS: tuples of up to `k` atoms, remembered apart for every part of a partition
+    of the states."""
+
+    def __init__(self, k: int) -> None:
+        self.k = k
+        self._numbers: dict[Hashable, int] = {}
+        self._seen: dict[Any, set[tuple[int, ...]]] = {}
+
+    def _known(self, atoms: Atoms) -> list[int]:
+        """The atoms as numbers, which are quicker to compare, in ascending order."""
+        numbers = self._numbers
+        return sorted(numbers.setdefault(atom, len(numbers)) for atom in atoms)
+
+    def width(self, part: Hashable, atoms: Atoms) -> int:
+        """The size of the smallest tuple of atoms that is new in a part; k + 1 if none is."""
+        seen = self._seen.get(part, set())
+        numbers = self._known(atoms)
+        for size in range(1, self.k + 1):
+            if not seen.issuperset(combinations(numbers, size)):
+                return size
+        return self.k + 1
+
+    def add(self, part: Hashable, atoms: Atoms) -> None:
+        """Remember a state of a part."""
+        seen, numbers = self._seen.setdefault(part, set()), self._known(atoms)
+        for size in range(1, self.k + 1):
+            seen.update(combinations(numbers, size))

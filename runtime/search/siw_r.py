@@ -19,7 +19,7 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 
 from runtime.search.guide import Guide, Subgoal, Values
-from runtime.search.iw import iw
+from runtime.search.iw import Node, iw
 from runtime.search.lazy_iw import LazyIW
 from runtime.search.limits import Limits, OutOfPatienceError, OutOfTimeError
 from runtime.search.problem import Action, Motion, Rejection, SearchProblem, State, Subproblem
@@ -67,6 +67,9 @@ Progress = Callable[[Subgoal, float], None]
 Step = tuple[Action, Motion, State]
 """An action, its motion and the state after it."""
 
+Turns = Callable[[Limits, bool], Iterator[tuple[int, int]]]
+"""(attempt, k) in the order in which a subproblem is tried."""
+
 Search = Callable[[Query], "tuple[list[Step], str] | None"]
 """Looks for a subgoal of a state: the steps to it and the rule that it satisfies."""
 
@@ -85,7 +88,11 @@ def eager(query: Query) -> tuple[list[Step], str] | None:
     """The search of SIW_R: every edge is validated before the search goes on."""
     if isinstance(query.subproblem, Searching):
         return query.subproblem.search(query)
-    found = iw(query)
+    return steps_to(iw(query))
+
+
+def steps_to(found: tuple[Node, str] | None) -> tuple[list[Step], str] | None:
+    """The steps from the root to a node that was found with a rule."""
     if found is None:
         return None
     node, rule = found
@@ -103,6 +110,22 @@ def lazy(query: Query) -> tuple[list[Step], str] | None:
     return [(edge.action, edge.motion, edge.child.state) for edge in path], rule
 
 
+def schedule(limits: Limits, guided: bool) -> Iterator[tuple[int, int]]:
+    """(attempt, k) in the order in which a subproblem is tried: IW(1) on samples of growing
+    density first, then the wider searches, which grow faster, on samples of middling density.
+
+    Where the sketch has rules and none applies, it has nothing to say: one look for a goal
+    state that is near, and no more.
+    """
+    if not guided:
+        yield 0, 1
+        return
+    for attempt in range(limits.attempts):
+        yield attempt, 1
+    for k in range(2, limits.k_max + 1):
+        yield limits.attempts // 2, k
+
+
 def serialize(
     search: Search,
     sketch: CompiledSketch,
@@ -110,10 +133,11 @@ def serialize(
     limits: Limits,
     rng: np.random.Generator,
     progress: Progress | None = None,
+    turns: Turns = schedule,
 ) -> Outcome:
     """Solve a problem subgoal by subgoal. All randomness comes from `rng`."""
     outcome = Outcome(state=problem.initial)
-    for subgoal in subgoals(search, sketch, problem, limits, rng, outcome):
+    for subgoal in subgoals(search, sketch, problem, limits, rng, outcome, turns):
         if progress is not None:
             progress(subgoal, limits.elapsed())
     outcome.seconds = limits.elapsed()
@@ -127,6 +151,7 @@ def subgoals(
     limits: Limits,
     rng: np.random.Generator,
     outcome: Outcome,
+    turns: Turns = schedule,
 ) -> Iterator[Subgoal]:
     """The subgoals on the way to the goal, each searched for when it is asked for. `outcome`, a
     fresh one, tells what has been reached, and at the end why it ended there."""
@@ -142,7 +167,7 @@ def subgoals(
             outcome.rejections, tried = [], []
             subgoal = find_subgoal(
                 search, guide, problem, outcome.state, limits, rng, outcome.effort,
-                outcome.rejections, tried,
+                outcome.rejections, tried, turns,
             )  # fmt: skip
             if subgoal is None:
                 outcome.stuck = values
@@ -164,22 +189,6 @@ def subgoals(
     outcome.last = guide, tuple(tried)
 
 
-def schedule(limits: Limits, guided: bool) -> Iterator[tuple[int, int]]:
-    """(attempt, k) in the order in which a subproblem is tried: IW(1) on samples of growing
-    density first, then the wider searches, which grow faster, on samples of middling density.
-
-    Where the sketch has rules and none applies, it has nothing to say: one look for a goal
-    state that is near, and no more.
-    """
-    if not guided:
-        yield 0, 1
-        return
-    for attempt in range(limits.attempts):
-        yield attempt, 1
-    for k in range(2, limits.k_max + 1):
-        yield limits.attempts // 2, k
-
-
 def find_subgoal(
     search: Search,
     guide: Guide,
@@ -190,9 +199,11 @@ def find_subgoal(
     effort: Effort,
     rejections: list[Rejection],
     tried: list[Subproblem] | None = None,
+    turns: Turns = schedule,
 ) -> Subgoal | None:
     """One round: a subplan from a state to a subgoal, or None. Nodes are added to `effort`,
-    what X refuses to `rejections`, and the samples of each attempt to `tried`.
+    what X refuses to `rejections`, and the samples of each attempt to `tried`; `turns` says in
+    which order densities and widths are tried.
 
     Raises:
         OutOfTimeError: when the limits say so.
@@ -200,7 +211,7 @@ def find_subgoal(
     values = guide.values(state)
     guided = not guide.model.rules or bool(guide.usable(values))
     spent = 0
-    for attempt, k in schedule(limits, guided):
+    for attempt, k in turns(limits, guided):
         limits.check()
         subproblem = problem.subproblem(state, attempt, rng)
         if tried is not None:

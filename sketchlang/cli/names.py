@@ -14,7 +14,7 @@ from click.shell_completion import CompletionItem
 
 Completer = Callable[[click.Context, click.Parameter, str], list[CompletionItem]]
 
-PLANNERS = ("lazy-siiw-r", "siw-r")
+PLANNERS = ("lazy-siiw-r", "siw-r", "bfws", "iw", "brfs")
 """As in `runtime.search.planners`, which would take too long to import for one key."""
 
 HOME = Path(__file__).resolve().parents[2]

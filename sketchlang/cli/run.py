@@ -38,7 +38,7 @@ Examples:
 )
 @click.argument("sketch", shell_complete=names.sketches)
 @click.argument("scene", shell_complete=names.scenes)
-@click.option("--planner", type=click.Choice(["lazy-siiw-r", "siw-r"]), help="Search algorithm.")
+@click.option("--planner", type=click.Choice(names.PLANNERS), help="Search algorithm.")
 @click.option(
     "--seed",
     type=click.IntRange(min=0),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -55,7 +55,7 @@ class Samples:
                         if grasp.face == placement.face
                     )
         elif state.grasp is not None and self.placed in (None, state.held):
-            for placement in self.places:
+            for placement in self.places_in(state):
                 seen = turned(executor.world, state.held, state.grasp, placement.face)
                 if seen is not None:
                     targets.append((state.held, placement, seen))
@@ -70,6 +70,10 @@ class Samples:
             if base != here:
                 move = MoveBase(base)
                 yield move, move.after(state)
+
+    def places_in(self, state: State) -> Iterable[Placement]:
+        """The placements to try for what is held."""
+        return self.places
 
 
 class Sampler:

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from runtime.search.novelty import NoveltyTable
+from runtime.search.novelty import NoveltyTable, PartitionedNovelty
 
 ATOMS = st.lists(st.integers(0, 6), max_size=5, unique=True).map(tuple)
 
@@ -32,3 +32,23 @@ def test_atoms_of_different_kinds_live_together() -> None:
     table.add(((0, "a"), (1, 3), (1, None)))
     assert not table.is_novel(((1, None), (0, "a")))
     assert table.is_novel(((1, None), (0, "b")))
+
+
+PARTS = st.lists(st.tuples(st.integers(0, 1), ATOMS), max_size=12)
+
+
+@pytest.mark.parametrize("k", [1, 2, 3])
+@given(states=PARTS)
+def test_the_width_of_a_state_is_that_of_its_smallest_new_tuple_in_its_part(k, states) -> None:
+    table, seen = PartitionedNovelty(k), {0: set(), 1: set()}
+    for part, atoms in states:
+        sizes = [
+            size
+            for size in range(1, k + 1)
+            for found in combinations(atoms, size)
+            if frozenset(found) not in seen[part]
+        ]
+        assert table.width(part, atoms) == min(sizes, default=k + 1)
+        table.add(part, atoms)
+        for size in range(1, k + 1):
+            seen[part].update(map(frozenset, combinations(atoms, size)))

@@ -12,7 +12,7 @@ import pytest
 from runtime.search.classical import ClassicalProblem
 from runtime.search.guide import GOAL
 from runtime.search.limits import Limits
-from runtime.search.planners import DEFAULT, PLANNERS
+from runtime.search.planners import DEFAULT, PLANNERS, SEARCHES
 from runtime.search.siw_r import Outcome
 from runtime.solve import open_task
 from sketchlang.compile import CompiledSketch, compile_sketch
@@ -22,7 +22,7 @@ from sketchlang.library import built_in_scenes, find_scene
 from sketchlang.loader import load_sketch
 
 SCENES = [name for name in built_in_scenes() if name.startswith("delivery/")]
-PLANNERS_ONE_BY_ONE = pytest.mark.parametrize("planner", sorted(PLANNERS))
+PLANNERS_ONE_BY_ONE = pytest.mark.parametrize("planner", sorted(SEARCHES))
 
 
 def load(sketch: str, scene: str) -> tuple[CompiledSketch, Any]:
@@ -77,7 +77,7 @@ def test_time_that_is_over_ends_the_search_with_a_reason(planner) -> None:
     assert outcome.stuck == sketch.evaluate(problem.initial)
 
 
-@PLANNERS_ONE_BY_ONE
+@pytest.mark.parametrize("planner", sorted(SEARCHES))
 def test_a_state_that_no_rule_provides_for_ends_the_search_with_a_reason(
     planner, tmp_path: Path
 ) -> None:
