@@ -328,15 +328,30 @@ class TabletopWorld:
 
     def obstacles(self, placements: Placements, without: Collection[int]) -> Obstacles:
         """What is fixed and all objects that rest, but for some."""
-        groups = [self.fixed]
-        for i in range(len(placements)):
-            placement = placements[i]
-            if placement is None or i in without:
-                continue
-            at = self.rests_at(placements, i, placement)
-            if at is not None:
-                groups.append(self.object_at(i, at, placement.face))
-        return join(*groups)
+        standing = self._standing(placements)
+        return join(
+            self.fixed,
+            *(g for i, g in enumerate(standing) if g is not None and i not in without),
+        )
+
+    def _standing(self, placements: Placements) -> list[Obstacles | None]:
+        """The solids of each object, None where it does not rest anywhere. From one question to
+        the next most things stay where they are: only the others are looked up."""
+        last = self.memory.table("standing")
+        before, known = last.get("latest", ((None,) * len(placements), [None] * len(placements)))
+        if before is placements:
+            return known  # type: ignore[no-any-return]
+        found: list[Obstacles | None] = []
+        for i, placement in enumerate(placements):
+            if placement is None:
+                found.append(None)
+            elif placement is before[i] and self.grounds[placement.support].owner is None:
+                found.append(known[i])
+            else:
+                at = self.rests_at(placements, i, placement)
+                found.append(None if at is None else self.object_at(i, at, placement.face))
+        last["latest"] = placements, found
+        return found
 
     def rider_parts(self, placements: Placements, index: int) -> tuple[Part, ...]:
         """The solids of what rests on an object, in the object's standing frame."""

@@ -1,4 +1,5 @@
-"""Forward kinematics, Jacobian and collision test of a serial chain on a fixed base.
+"""Forward kinematics, Jacobian and collision test of a serial chain on a fixed base; motions are
+tested in `runtime.kernels.advance`.
 
 A chain of n joints is two arrays: `origins` (n, 3, 4), the pose of each joint in the frame
 before it, and `prismatic` (n,); every joint acts along its own z axis. Frame 0 is the base,
@@ -15,10 +16,9 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
 from numba import njit
 
-from runtime.kernels.boxes import gap_to_pose, gap_to_upright, pose_vs_pose, pose_vs_upright
+from runtime.kernels.boxes import pose_vs_pose, pose_vs_upright
 from runtime.kernels.convex import TOLERANCE, gjk_distance, pose_of_row, solid_of
 
 
@@ -159,207 +159,9 @@ def body_collides(body, placed, obstacles, margin):  # type: ignore[no-untyped-d
     return parts_collide(body, placed, obstacles, margin, 0)
 
 
-COARSE = 0.1
-"""Radians between the samples that look for gross contact, at least."""
-
-FAR = 0.3
-"""Metres of clearance beyond which nobody asks how much further away something is."""
-
-OVER = 2.0
-"""A time after the end of a line, which is at 1."""
-
 CLOSE = 0.03
 """Metres between boxes below which it is worth while to ask for the distance of solids."""
 
 ROUGH = 1e-4
 """Metres by which distances may be underestimated where a part only has to know how long it
 stays free."""
-
-TINY = 1e-9
-TOGETHER = 0.02
-"""What is due so soon after is looked at in one go, for the sake of the forward kinematics."""
-
-
-@njit(cache=True)
-def free_of_boxes(pose, half, radius, rows, margin, speed, left):  # type: ignore[no-untyped-def]
-    """How long a placed box that moves with at most `speed` certainly stays free of upright
-    boxes (w, 8), or -1 for contact now. Nobody asks for more time than is `left`."""
-    # What is further away than the way that is left does not matter.
-    enough = min(FAR, left * speed + margin)
-    nearest = enough
-    for w in range(rows.shape[0]):
-        gap = gap_to_upright(pose, half, radius, rows[w], nearest)
-        if gap < margin:
-            if pose_vs_upright(pose, half, radius, rows[w], margin):
-                return -1.0
-            gap = margin
-        nearest = min(nearest, gap)
-    if nearest == enough and enough < FAR:
-        return left
-    return (nearest - 0.5 * margin) / max(speed, 1e-12)
-
-
-@njit(cache=True)
-def free_of_solids(body, b, pose, obstacles, margin, speed, left):  # type: ignore[no-untyped-def]
-    """The same for part b of a body and obstacles, some of which are not boxes."""
-    half, radius, shape = body.half[b], body.radius[b], body.shape[b]
-    rows, shapes = obstacles.rows, obstacles.shape
-    enough = min(FAR, left * speed + margin)
-    nearest = enough
-    for w in range(rows.shape[0]):
-        gap = gap_to_upright(pose, half, radius, rows[w], nearest)
-        exact = shape < 0 and shapes[w] < 0
-        if not exact and gap < min(CLOSE, nearest):
-            solids = gap_to_obstacle(body, b, pose, obstacles, w, margin, nearest, ROUGH)
-            gap = max(gap, solids)
-        if gap < margin:
-            if not exact or pose_vs_upright(pose, half, radius, rows[w], margin):
-                return -1.0
-            gap = margin
-        nearest = min(nearest, gap)
-    if nearest == enough and enough < FAR:
-        return left
-    return (nearest - 0.5 * margin) / max(speed, 1e-12)
-
-
-@njit(cache=True)
-def free_of_each_other(  # type: ignore[no-untyped-def]
-    pose_a, half_a, radius_a, pose_b, half_b, radius_b, margin, speed, left
-):
-    """The same for two placed boxes that move with at most `speed` relative to one another."""
-    dx = pose_a[0, 3] - pose_b[0, 3]
-    dy = pose_a[1, 3] - pose_b[1, 3]
-    dz = pose_a[2, 3] - pose_b[2, 3]
-    gap = math.sqrt(dx * dx + dy * dy + dz * dz) - radius_a - radius_b
-    if gap >= left * speed + margin:
-        return left
-    if gap < FAR:
-        gap = max(gap, gap_to_pose(pose_a, half_a, pose_b, half_b))
-    if gap < margin:
-        if pose_vs_pose(pose_a, half_a, pose_b, half_b, margin):
-            return -1.0
-        gap = margin
-    return (gap - 0.5 * margin) / max(speed, 1e-12)
-
-
-@njit(cache=True)
-def solids_free_of_each_other(body, a, pose_a, b, pose_b, margin, speed, left):  # type: ignore[no-untyped-def]
-    """The same for two parts of a body, one of which is not a box."""
-    dx = pose_a[0, 3] - pose_b[0, 3]
-    dy = pose_a[1, 3] - pose_b[1, 3]
-    dz = pose_a[2, 3] - pose_b[2, 3]
-    gap = math.sqrt(dx * dx + dy * dy + dz * dz) - body.radius[a] - body.radius[b]
-    enough = left * speed + margin
-    if gap >= enough:
-        return left
-    if gap < FAR:
-        gap = max(gap, gap_to_pose(pose_a, body.half[a], pose_b, body.half[b]))
-    if gap < min(CLOSE, enough):
-        gap = max(gap, gap_between_parts(body, a, pose_a, b, pose_b, margin, enough, ROUGH))
-    if gap < margin:
-        return -1.0
-    return (gap - 0.5 * margin) / max(speed, 1e-12)
-
-
-@njit(cache=True)
-def segment_collides(  # type: ignore[no-untyped-def]
-    chain, body, obstacles, margin, sweep, start, dq, with_end, frames, placed, speed, until
-):
-    """Whether the straight line from `start` (n,) along `dq` comes within the margin of
-    something at a sample; else all of it keeps half the margin. The start is a sample, and
-    the end `with_end`; `frames`, `placed`, `speed` and `until` are scratch.
-
-    Conservative advancement: a part whose gap to everything is g cannot touch anything before
-    it has moved by g, and `sweep[f, i]` bounds how far a part of frame f moves for one unit of
-    joint i. Every part (against the obstacles) and every pair of parts has its own `until`, the
-    time to which it is known to be free, and is looked at again only then: neighbouring links,
-    whose gaps are small, do not make everything else be tested at their pace.
-    """
-    frame, half, radius = body.frame, body.half, body.radius
-    pairs, shape, rows = body.pairs, body.shape, obstacles.rows
-    plain = not np.any(obstacles.shape >= 0)
-    m = frame.shape[0]
-    for b in range(m):
-        speed[b] = 0.0
-        for i in range(frame[b]):
-            speed[b] += sweep[frame[b], i] * abs(dq[i])
-        until[b] = 0.0 if frame[b] > 0 else OVER
-    for k in range(pairs.shape[0]):
-        one = frame[pairs[k, 0]]
-        other = frame[pairs[k, 1]]
-        speed[m + k] = 0.0
-        for i in range(min(one, other), max(one, other)):
-            speed[m + k] += sweep[max(one, other), i] * abs(dq[i])
-        until[m + k] = 0.0
-    while True:
-        t = OVER
-        for item in range(m + pairs.shape[0]):
-            t = min(t, until[item])
-        if t == OVER:
-            return False
-        forward(chain.origins, chain.prismatic, start + t * dq, frames)
-        place_boxes(frames, frame, body.pose, placed)
-        left = 1.0 - t
-        for item in range(m + pairs.shape[0]):
-            if until[item] > t + TOGETHER:
-                continue
-            if item < m and plain and shape[item] < 0:
-                free = free_of_boxes(
-                    placed[item], half[item], radius[item], rows, margin, speed[item], left
-                )
-            elif item < m:
-                free = free_of_solids(
-                    body, item, placed[item], obstacles, margin, speed[item], left
-                )
-            else:
-                a = pairs[item - m, 0]
-                b = pairs[item - m, 1]
-                if shape[a] < 0 and shape[b] < 0:
-                    free = free_of_each_other(
-                        placed[a], half[a], radius[a], placed[b], half[b], radius[b],
-                        margin, speed[item], left,
-                    )  # fmt: skip
-                else:
-                    free = solids_free_of_each_other(
-                        body, a, placed[a], b, placed[b], margin, speed[item], left
-                    )
-            if free < 0.0:
-                return True
-            if t + free < 1.0 - TINY:
-                until[item] = t + free
-            else:
-                until[item] = 1.0 if with_end and t < 1.0 else OVER
-
-
-@njit(cache=True)
-def path_collides(chain, body, obstacles, margin, sweep, path):  # type: ignore[no-untyped-def]
-    """Index of the first segment of a path (p, n) that comes within the margin of something
-    at one of its samples, or -1: then the whole path keeps half the margin, in between too.
-    """
-    n = path.shape[1]
-    items = body.frame.shape[0] + body.pairs.shape[0]
-    frames = np.empty((n + 1, 3, 4))
-    placed = np.empty((body.frame.shape[0], 3, 4))
-    speed = np.empty(items)
-    until = np.empty(items)
-    # Most paths that fail do so grossly: a few samples, the middle first, find them.
-    for k in range(path.shape[0] - 1):
-        dq = path[k + 1] - path[k]
-        longest = 0.0
-        for i in range(n):
-            longest = max(longest, abs(dq[i]))
-        parts = 2
-        while parts <= 16 and longest / parts > COARSE:
-            for j in range(1, parts, 2):
-                if collides(
-                    chain, body, obstacles, margin, path[k] + (j / parts) * dq, frames, placed
-                ):
-                    return k
-            parts *= 2
-    for k in range(path.shape[0] - 1):
-        if segment_collides(
-            chain, body, obstacles, margin, sweep, path[k], path[k + 1] - path[k],
-            k == path.shape[0] - 2, frames, placed, speed, until,
-        ):  # fmt: skip
-            return k
-    return -1

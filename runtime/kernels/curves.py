@@ -7,10 +7,14 @@ import math
 import numpy as np
 from numba import njit
 
-from runtime.kernels.course import marks, speeds
+from runtime.kernels.course import excess, marks, speeds
+from runtime.kernels.follow import KEPT, TRIES, course
 
 POINTS = 24
 """Way points of a curve while it is looked for."""
+
+DENSE = 128
+"""Way points of a curve when it is followed."""
 
 
 @njit(cache=True)
@@ -53,6 +57,72 @@ def travelled(poses, way):  # type: ignore[no-untyped-def]
         dy = poses[i, 1] - poses[i - 1, 1]
         out[i, 0] = out[i - 1, 0] + way * math.sqrt(dx * dx + dy * dy)
         out[i, 1] = poses[i, 2]
+    return out
+
+
+@njit(cache=True)
+def driven(rows):  # type: ignore[no-untyped-def]
+    """The way driven along the heading, and the heading, at each of some poses (m, 3): (m, 2)."""
+    out = np.empty((rows.shape[0], 2))
+    out[0, 0] = 0.0
+    out[0, 1] = rows[0, 2]
+    for i in range(1, rows.shape[0]):
+        middle = (rows[i, 2] + rows[i - 1, 2]) / 2
+        dx, dy = rows[i, 0] - rows[i - 1, 0], rows[i, 1] - rows[i - 1, 1]
+        out[i, 0] = out[i - 1, 0] + dx * math.cos(middle) + dy * math.sin(middle)
+        out[i, 1] = rows[i, 2]
+    return out
+
+
+@njit(cache=True)
+def along(a, b, way, size, limits, share, tick, fine):  # type: ignore[no-untyped-def]
+    """Poses (m, 3), a tick apart, on the curve from pose to pose with tangents of `size` metres,
+    within the limits where they are measured: from row to row. `limits` are those of the way
+    driven and the heading, as for `runtime.kernels.follow`."""
+    poses = np.empty((DENSE, 3))
+    curve(a[0], a[1], a[2], b[0], b[1], b[2], way, size, size, poses)
+    way_points = travelled(poses, way)
+    rows = poses
+    slower = 1.0
+    for _ in range(TRIES):
+        tighter = limits.copy()
+        tighter[0] /= slower
+        tighter[1] /= slower**2
+        tighter[2] /= slower**3
+        rows = _on_curve(
+            a, b, way * size, way_points, course(way_points, tighter, share, tick, fine)
+        )
+        over = excess(driven(rows), tick, limits[0], limits[1], limits[2])
+        if over <= KEPT:
+            break
+        slower *= over
+    return rows
+
+
+@njit(cache=True)
+def _on_curve(a, b, pull, way_points, rows):  # type: ignore[no-untyped-def]
+    """Poses where so much of a curve is driven, with headings (m, 2); of its `way_points` (k, 2)
+    that is known."""
+    out = np.empty((rows.shape[0], 3))
+    last = way_points.shape[0] - 1
+    at = 0
+    for i in range(rows.shape[0]):
+        driven_here = abs(rows[i, 0])
+        while at < last and abs(way_points[at + 1, 0]) < driven_here:
+            at += 1
+        while at > 0 and abs(way_points[at, 0]) > driven_here:
+            at -= 1
+        share = 1.0
+        if at < last:
+            low, high = abs(way_points[at, 0]), abs(way_points[at + 1, 0])
+            share = (at + (driven_here - low) / max(high - low, 1e-12)) / last
+        t = min(1.0, max(0.0, share))
+        h10, h01, h11 = t * (1 - t) ** 2, t * t * (3 - 2 * t), t * t * (t - 1)
+        out[i, 0] = a[0] + (b[0] - a[0]) * h01
+        out[i, 0] += pull * (math.cos(a[2]) * h10 + math.cos(b[2]) * h11)
+        out[i, 1] = a[1] + (b[1] - a[1]) * h01
+        out[i, 1] += pull * (math.sin(a[2]) * h10 + math.sin(b[2]) * h11)
+        out[i, 2] = rows[i, 1]
     return out
 
 

@@ -12,7 +12,8 @@ import math
 import numpy as np
 from numba import njit
 
-from runtime.kernels.arm import collides, path_collides
+from runtime.kernels.advance import path_collides
+from runtime.kernels.arm import collides
 
 
 @njit(cache=True)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from runtime.kernels import arm
+from runtime.kernels import advance, arm
 from runtime.kernels.convex import Obstacles, boxes_only
 from runtime.robot.model import HELD_EXTENT, Body, Floats, RobotModel
 
@@ -66,7 +66,7 @@ class ArmContext:
 
     def path_is_free(self, path: Floats, margin: float = FREE_MARGIN) -> bool:
         """Whether the polyline of configurations (p, n) is free, in between as well."""
-        hit = arm.path_collides(
+        hit = advance.path_collides(
             self.robot.chain, self.body, self.obstacles, margin, self.sweep, path
         )
         return bool(hit < 0)

@@ -13,11 +13,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
 
-from runtime.kernels import course as kernel
+from runtime.kernels import follow as kernel
+from runtime.kernels.follow import TURNING
 from runtime.robot.model import Floats, Ints, RobotModel
 
 TICK = 0.05
@@ -25,17 +27,6 @@ TICK = 0.05
 
 FINE = 10
 """So many samples a tick are averaged over."""
-
-TURNING, REST = 0.3, 0.9
-"""What of the acceleration limits changes of direction may take, and what speeding up and
-slowing down; together a little more than all of it, for they rarely come together."""
-
-TRIES = 8
-KEPT = 1.0005
-"""Factor by which limits may be passed: rounding."""
-
-ROUNDED = 1e-6
-"""How far a value may be beyond its range (rad, m): rounding."""
 
 SHARP = math.cos(math.radians(20.0))
 """A path turns a corner where its direction changes by more than this."""
@@ -51,20 +42,18 @@ class Limits:
     jerk: Floats
     within: Floats | None = None
 
-    @property
-    def window(self) -> int:
-        """Over how many samples a motion is averaged so that it keeps the jerks."""
-        seconds = float((2 * self.acceleration / self.jerk).max())
-        return max(1, math.ceil(seconds * FINE / TICK - 1e-6))
+    @cached_property
+    def packed(self) -> Floats:
+        """The limits as kernels take them (5, d)."""
+        d = len(self.velocity)
+        within = np.array([np.full(d, -np.inf), np.full(d, np.inf)])
+        rates = (self.velocity, self.acceleration, self.jerk)
+        return np.array([*rates, *(within if self.within is None else self.within)])
 
     def excess(self, rows: Floats) -> float:
         """By which factor a motion in rows, at rest before and after, would have to be slower to
         keep the limits; up to 1 where it keeps them, infinite where it leaves its range."""
-        if self.within is not None:
-            beyond = np.maximum(self.within[0] - rows, rows - self.within[1])
-            if beyond.max(initial=0.0) > ROUNDED:
-                return math.inf
-        found: float = kernel.excess(rows, TICK, self.velocity, self.acceleration, self.jerk)
+        found: float = kernel.over(rows, TICK, self.packed)
         return found
 
     def of(self, chosen: Ints) -> Limits:
@@ -76,12 +65,6 @@ class Limits:
         """Those of a motion that takes so many times as long."""
         rates = (self.velocity / factor, self.acceleration / factor**2, self.jerk / factor**3)
         return Limits(*rates, self.within)
-
-    def along(self, span: Floats) -> Limits:
-        """The limits (1,) of the share of a line (d,)."""
-        size = np.maximum(np.abs(span), 1e-9)
-        rows = (self.velocity, self.acceleration, self.jerk)
-        return Limits(*(np.array([(row / size).min()]) for row in rows))
 
 
 def arm_limits(robot: RobotModel) -> Limits:
@@ -103,43 +86,21 @@ def base_limits(robot: RobotModel) -> Limits:
 def course(path: Floats, limits: Limits, share: float = TURNING) -> Floats:
     """Rows (m, d) of a motion along a path (p, d) without sharp corners, from rest to rest; changes
     of direction may take a `share` of the accelerations."""
-    keep = np.concatenate([[True], np.abs(np.diff(path, axis=0)).max(axis=1) > 1e-9])
-    path = np.ascontiguousarray(path[keep])
-    if len(path) < 2:
-        return path
-    rest, slower = (1.0 if len(path) == 2 else REST), 1.0
-    window = limits.window
-    for _ in range(TRIES):
-        v, a = limits.velocity / slower, limits.acceleration / slower**2
-        turning = share * a
-        lengths, speed, fastest, hardest = kernel.speeds(
-            path, v, rest * a, turning, turning * (window * TICK / FINE)
-        )
-        times, peaks = kernel.marks(lengths, speed, fastest, hardest)
-        sampled = kernel.samples(path, lengths, speed, hardest, times, peaks, TICK / FINE)
-        rows: Floats = kernel.averaged(sampled, window, FINE)
-        over = limits.excess(rows)
-        if over <= KEPT:
-            return rows
-        if math.isinf(over):
-            break
-        slower *= 1.001 * over
-    return with_stops(path, limits)
+    rows: Floats = kernel.course(np.ascontiguousarray(path), limits.packed, share, TICK, FINE)
+    return rows
 
 
 def line(span: Floats, limits: Limits) -> Floats:
     """Rows (m, d) from zero to `span` (d,), all coordinates in step."""
-    if np.abs(span).max(initial=0.0) < 1e-9:
-        return np.zeros((1, len(span)))
-    share = course(np.array([[0.0], [1.0]]), limits.along(span))
-    return share * span
+    rows: Floats = kernel.line(span, limits.packed, TICK, FINE)
+    return rows
 
 
 def with_stops(path: Floats, limits: Limits) -> Floats:
     """Rows of a motion along a path (p, d) with a stop at every way point: it is on the path
     everywhere."""
-    lines = (a + line(b - a, limits)[1:] for a, b in pairwise(path))
-    return np.vstack([path[:1], *lines])
+    rows: Floats = kernel.with_stops(np.ascontiguousarray(path), limits.packed, TICK, FINE)
+    return rows
 
 
 def stretches(path: Floats) -> list[Floats]:
@@ -159,10 +120,7 @@ def stretches(path: Floats) -> list[Floats]:
 def add(rows: Floats, more: Floats, start: int) -> Floats:
     """The sum of a motion and of another one that starts at a tick; negative starts are earlier
     than the first row."""
-    length = max(len(rows), start + len(more))
-    held = rows[np.minimum(np.arange(length), len(rows) - 1)]
-    added = more[np.clip(np.arange(length) - start, 0, len(more) - 1)] - more[0]
-    summed: Floats = held + added
+    summed: Floats = kernel.added(rows, more, start)
     return summed
 
 
@@ -173,15 +131,11 @@ def join(
     that is asked, is `free`; and the tick at which each begins."""
     rows, starts = courses[0], [0]
     for more in courses[1:]:
-        latest = len(rows) - 1
-        earliest = max(starts[-1], latest - len(more) + 1)
-        start = latest
-        for share in (0.5, 0.3, 0.15):
-            tried = latest - int(share * min(len(more), latest - starts[-1]))
-            if tried < earliest or tried >= latest:
-                continue
-            joined = add(rows, more, tried)
-            if limits.excess(joined) <= KEPT and (free is None or free(joined[starts[-1] :])):
+        start = len(rows) - 1
+        wanted = 1 if free is None else len(kernel.SHARES)
+        tries = kernel.earlier(rows, more, starts[-1], limits.packed, TICK, wanted)
+        for tried in tries.tolist():
+            if free is None or free(add(rows, more, tried)[starts[-1] :]):
                 start = tried
                 break
         rows = add(rows, more, start)

@@ -14,7 +14,7 @@ import numpy as np
 
 from runtime.angles import wrap
 from runtime.kernels import curves
-from runtime.motion.course import KEPT, TRIES, Limits, base_limits, course, line, with_stops
+from runtime.motion.course import FINE, TICK, Limits, base_limits, line, with_stops
 from runtime.motion.roads import Stand
 from runtime.robot.model import Floats, RobotModel
 
@@ -23,9 +23,6 @@ TANGENTS = np.array([0.4, 0.7, 1.0, 1.5])
 
 CUSPS = np.array([0.3, 0.5, 0.8])
 """Metres of cusps from the start or the goal of a drive."""
-
-DENSE = 128
-"""Way points of a curve when it is followed."""
 
 TURNING = 0.8
 """What of the acceleration limits changes of curvature may take."""
@@ -79,42 +76,12 @@ def _followed(start: Stand, goal: Stand, told: list[float], limits: Limits) -> F
     heading = start[2]
     for a, b in pairwise(ends):
         size = share * math.hypot(b[0] - a[0], b[1] - a[1])
-        piece = _along((a[0], a[1], heading), b, way, size, limits)
+        piece = curves.along(
+            (a[0], a[1], heading), b, way, size, limits.packed, TURNING, TICK, FINE
+        )
         rows.append(piece[min(1, len(rows)) :])
         heading, way = float(piece[-1, 2]), -way
     return np.vstack(rows)
-
-
-def _along(a: Stand, b: Stand, way: float, size: float, limits: Limits) -> Floats:
-    """Rows (m, 3) along a curve, within the limits where they are measured: from row to row."""
-    poses = np.empty((DENSE, 3))
-    curves.curve(*a, *b, way, size, size, poses)
-    marks = curves.travelled(poses, way)
-    slower = 1.0
-    for _ in range(TRIES):
-        rows = _on_curve(a, b, way * size, marks, course(marks, limits.slower(slower), TURNING))
-        over = limits.excess(driven(rows))
-        if over <= KEPT:
-            break
-        slower *= over
-    return rows
-
-
-def _on_curve(a: Stand, b: Stand, pull: float, marks: Floats, rows: Floats) -> Floats:
-    """Poses where so much of a curve is travelled, with headings (m, 2)."""
-    share = np.interp(np.abs(rows[:, 0]), np.abs(marks[:, 0]), np.linspace(0.0, 1.0, DENSE))
-    h10, h11 = share * (1 - share) ** 2, share**2 * (share - 1)
-    h01 = share**2 * (3 - 2 * share)
-    x = a[0] + (b[0] - a[0]) * h01 + pull * (math.cos(a[2]) * h10 + math.cos(b[2]) * h11)
-    y = a[1] + (b[1] - a[1]) * h01 + pull * (math.sin(a[2]) * h10 + math.sin(b[2]) * h11)
-    return np.column_stack([x, y, rows[:, 1]])
-
-
-def driven(rows: Floats) -> Floats:
-    """The way driven along the heading, and the heading, at each of some poses (m, 3)."""
-    steps, middle = np.diff(rows, axis=0), (rows[1:, 2] + rows[:-1, 2]) / 2
-    ahead = steps[:, 0] * np.cos(middle) + steps[:, 1] * np.sin(middle)
-    return np.column_stack([np.concatenate([[0.0], np.cumsum(ahead)]), rows[:, 2]])
 
 
 def _turning(poses: Floats, limits: Limits) -> Floats:

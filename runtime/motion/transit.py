@@ -15,9 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from runtime.kernels import follow
 from runtime.motion.arm_context import CONTACT_MARGIN, FREE_MARGIN
 from runtime.motion.course import (
-    KEPT,
     TICK,
     Limits,
     add,
@@ -121,7 +121,8 @@ def _near(asked: Question, lines: Sequence[Floats], stand: Floats, whole: Whole)
 
 
 def _standing(stand: Floats, rows: Floats) -> Floats:
-    return np.hstack([np.tile(stand, (len(rows), 1)), rows])
+    whole: Floats = follow.with_base(stand[None], rows, 0)
+    return whole
 
 
 def _slow_choices(asked: Question) -> list[Mask]:
@@ -243,18 +244,16 @@ def _made(
     unfolds = into - arm.into
     if apart:
         unfolds = max(unfolds, len(arm.leaving) - 1)
-    arm_rows = add(add(arm.leaving, arm.straight, arm.out), arm.coming, unfolds)
-    while unfolds < len(arm.leaving) - 1 and asked.limits.excess(arm_rows) > KEPT:
-        unfolds += 2
-        arm_rows = add(add(arm.leaving, arm.straight, arm.out), arm.coming, unfolds)
+    arm_rows, unfolds = follow.overlaid(
+        arm.leaving, arm.straight, arm.out, arm.coming, unfolds, asked.limits.packed, TICK
+    )
     into = unfolds + arm.into
     count = len(arm_rows)
-    base = drive[np.clip(np.arange(count) - start, 0, len(drive) - 1)]
     openings = asked.fingers.openings
     opens = into - turning
     openings = openings[np.clip(np.arange(count) - opens, 0, turning)]
     there = max(end, min(unfolds, into))
-    rows = np.hstack([base, arm_rows])
+    rows = follow.with_base(drive, arm_rows, start)
     return Transit(rows, openings, arm.out, min(max(there, arm.out), into)), start, end, into
 
 
@@ -286,10 +285,9 @@ def _in_turn(asked: Question, out: Floats, into: Floats) -> Transit:
     # The fingers move in the driving posture, before the arm unfolds.
     unfolds = max(end, start + turning)
     arm_rows = add(leaving, coming, unfolds)
-    count = len(arm_rows)
-    base = drive[np.clip(np.arange(count) - start, 0, len(drive) - 1)]
-    openings = asked.fingers.openings[np.clip(np.arange(count) - start, 0, turning)]
-    return Transit(np.hstack([base, arm_rows]), openings, max(0, len(out) - 1), unfolds)
+    openings = asked.fingers.openings[np.clip(np.arange(len(arm_rows)) - start, 0, turning)]
+    rows = follow.with_base(drive, arm_rows, start)
+    return Transit(rows, openings, max(0, len(out) - 1), unfolds)
 
 
 def _surely(asked: Question, path: Floats, stand: Floats, whole: Whole) -> Floats:

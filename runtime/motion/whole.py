@@ -11,10 +11,10 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from runtime.kernels import rows as kernel
-from runtime.kernels.convex import Obstacles
-from runtime.motion.arm_context import CONTACT_MARGIN, FLOOR, FREE_MARGIN
-from runtime.robot.model import HELD_EXTENT, Body, Chain, Floats, RobotModel
+from runtime.kernels import advance
+from runtime.kernels.convex import Obstacles, join
+from runtime.motion.arm_context import FLOOR, FREE_MARGIN
+from runtime.robot.model import HELD_EXTENT, Body, Chain, Floats, Ints, RobotModel
 
 BASE = 3
 """Joints of the base."""
@@ -71,18 +71,15 @@ class Whole:
         return self.body._replace(frame=self.body.frame + BASE)
 
     @cached_property
-    def _moving(self) -> Body:
-        """What the arm moves: what stands on the floor is not tested against it."""
-        body = self._body
-        own = np.flatnonzero(body.frame > BASE)
-        return body._replace(
-            frame=body.frame[own],
-            pose=body.pose[own],
-            half=body.half[own],
-            radius=body.radius[own],
-            shape=body.shape[own],
-            pairs=np.empty((0, 2), dtype=np.int64),
-        )
+    def _around(self) -> Obstacles:
+        return join(self.obstacles, FLOOR)
+
+    @cached_property
+    def _lowest(self) -> Ints:
+        """The frames from which on obstacles matter: the floor is not in the way of the base."""
+        lowest = np.zeros(len(self._around.rows), dtype=np.int64)
+        lowest[-1] = BASE + 1
+        return lowest
 
     @cached_property
     def _sweep(self) -> Floats:
@@ -96,16 +93,12 @@ class Whole:
         return sweep
 
     def first_hit(self, rows: Floats, margin: float = FREE_MARGIN) -> int | None:
-        """The number of the first row after which a motion comes within the margin of something;
-        None where it is free, in between rows as well."""
-        if len(rows) < 2:
-            rows = np.vstack([rows, rows])
+        """The number of a row near which a motion comes within the margin of something; None where
+        it is free, in between rows as well."""
         rows = np.ascontiguousarray(rows)
-        hit = kernel.first_hit(self._chain, self._body, self.obstacles, margin, self._sweep, rows)
-        if hit < 0:
-            hit = kernel.first_hit(
-                self._chain, self._moving, FLOOR, CONTACT_MARGIN, self._sweep, rows
-            )
+        hit = advance.first_hit(
+            self._chain, self._body, self._around, self._lowest, margin, self._sweep, rows
+        )
         return None if hit < 0 else int(hit)
 
     def is_free(self, rows: Floats, margin: float = FREE_MARGIN) -> bool:

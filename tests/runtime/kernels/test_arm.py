@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from runtime.kernels import arm
+from runtime.kernels import advance, arm, between
 from runtime.kernels.convex import boxes_only
 from runtime.motion.arm_context import ArmContext
 from runtime.robot import load
@@ -188,7 +188,7 @@ def test_the_segment_that_collides_is_named(robot) -> None:
     free = robot.home - 0.2 * nudge
     path = np.array([free, robot.home - 0.1 * nudge, free, robot.home + nudge])
     context = ArmContext(robot, body, world)
-    found = arm.path_collides(robot.chain, body, context.obstacles, 0.004, robot.sweep, path)
+    found = advance.path_collides(robot.chain, body, context.obstacles, 0.004, robot.sweep, path)
     assert found == 2
 
 
@@ -228,3 +228,45 @@ def test_paths_with_a_long_pole_keep_half_the_margin_in_between(robot, rng) -> N
                 gap = arm_distance(robot.chain, body, context.around, q)
                 assert gap >= margin / 2 - 1e-5
     assert free
+
+
+@pytest.mark.parametrize("held", [None, POLE], ids=["open", "pole"])
+def test_bend_bounds_how_far_corners_leave_the_straight_line(robot, held, rng) -> None:
+    body = robot.body(0.05, held)
+    sweep = ArmContext(robot, body, np.empty((0, 8))).sweep
+    largest = 0.0
+    for _ in range(40):
+        start = random_q(robot, rng)
+        end = start + (random_q(robot, rng) - start) * rng.uniform(0.02, 0.6)
+        ends = [reference.placed_boxes(robot.chain, body, q) for q in (start, end)]
+        for share in (0.25, 0.5, 0.8):
+            placed = reference.placed_boxes(robot.chain, body, start + share * (end - start))
+            for b, frame in enumerate(body.frame):
+                corners = [reference.corners(at[b], body.half[b]) for at in (*ends, placed)]
+                straight = (1 - share) * corners[0] + share * corners[1]
+                away = np.linalg.norm(corners[2] - straight, axis=1).max()
+                bound = between.bend(robot.chain.prismatic, sweep, 0, frame, start, end)
+                assert away <= bound + 1e-9
+                largest = max(largest, away / max(bound, 1e-9))
+    assert largest > 0.05  # the bound says something
+
+
+def test_a_plane_that_is_clear_at_both_poses_is_a_gap_between_the_boxes(rng) -> None:
+    said = 0
+    for _ in range(200):
+        half_a, half_b = rng.uniform(0.02, 0.3, 3), rng.uniform(0.02, 0.3, 3)
+        before = reference.random_pose(rng, 0.8)
+        after = before.copy()
+        after[:, 3] += rng.normal(size=3) * 0.05
+        found = between.clearance(before, after, half_a, half_b)
+        if found <= 0.0:
+            continue
+        said += 1
+        own = reference.corners(np.eye(4)[:3], half_a)
+        for share in (0.0, 0.4, 1.0):
+            pose = before.copy()
+            pose[:, 3] += share * (after[:, 3] - before[:, 3])
+            hull = reference.corners(pose, half_b)
+            gaps = [np.linalg.norm(p - q) for p in own for q in hull]
+            assert found <= min(gaps) + 1e-9
+    assert said > 20
