@@ -165,3 +165,27 @@ def first_free(  # type: ignore[no-untyped-def]
         ) and not collides(chain, body, obstacles, margin, seeds[i], frames, placed):
             return i
     return -1
+
+
+@njit(cache=True)
+def line(  # type: ignore[no-untyped-def]
+    chain, lower, upper, tool, target, offset, start, steps, iterations, ease, most
+):
+    """Configurations (k, n) that move the tool by `offset` (3,) from the target in so many steps,
+    from one that has it there; fewer where a step is not solved, or turns a joint by more than
+    `most`."""
+    path = np.empty((steps + 1, start.shape[0]))
+    path[0] = start
+    pose = target.copy()
+    for i in range(1, steps + 1):
+        for j in range(3):
+            pose[j, 3] = target[j, 3] + offset[j] * (i / steps)
+        path[i] = path[i - 1]
+        if not solve(
+            chain.origins, chain.prismatic, lower, upper, tool, pose, path[i], iterations, ease
+        ):
+            return path[:i]
+        for j in range(start.shape[0]):
+            if abs(path[i, j] - path[i - 1, j]) > most:
+                return path[:i]
+    return path

@@ -2,7 +2,9 @@
 
 Where the straight line between two postures is barred, mostly one of these is free: the arm is
 folded before the lift goes down, or turned before it is stretched. There are 2^n - 2 of them for
-n joints, no random number decides, and what fails fails after a few tests.
+n joints, no random number decides, and what fails fails after a few tests. Joints that hardly move
+anything go halfway first and halfway then: which of them comes first makes no difference, and each
+would double the number of ways.
 """
 
 from __future__ import annotations
@@ -15,31 +17,42 @@ from numba import njit
 from runtime.kernels.advance import path_collides
 from runtime.kernels.arm import collides
 
+HARDLY = 0.12
+"""Metres that a joint moves parts at most, from start to goal, so that it counts as hardly moving
+anything."""
+
 
 @njit(cache=True)
 def quickest_staged(chain, body, obstacles, margin, sweep, velocity, start, goal):  # type: ignore[no-untyped-def]
-    """The joints, as bits, that move first on the quickest free way from `start` to `goal` (n,)
-    in two stages; 0 where none is free. The time of a stage is that of its slowest joint."""
+    """Whether there is a free way from `start` to `goal` (n,) in two stages, and the posture (n,)
+    between the stages of the quickest one. The time of a stage is that of its slowest joint."""
     n = start.shape[0]
     frames = np.empty((n + 1, 3, 4))
     placed = np.empty((body.frame.shape[0], 3, 4))
     path = np.empty((3, n))
     path[0] = start
+    path[1] = (start + goal) / 2
     path[2] = goal
+    moving = np.flatnonzero(np.abs(goal - start) * sweep[n] > HARDLY)
     seconds = np.abs(goal - start) / velocity
-    durations = _durations(seconds)
+    least = 0.0  # that joints take which are halfway at the corner
+    for k in range(n):
+        if abs(goal[k] - start[k]) * sweep[n, k] <= HARDLY:
+            least = max(least, seconds[k] / 2)
+    durations = _durations(seconds[moving], least)
     for first in np.argsort(durations, kind="mergesort"):
         if durations[first] == math.inf:
             break
-        for k in range(n):
-            path[1, k] = goal[k] if (first >> k) & 1 else start[k]
+        for bit in range(moving.shape[0]):
+            k = moving[bit]
+            path[1, k] = goal[k] if (first >> bit) & 1 else start[k]
         if (
             not collides(chain, body, obstacles, margin, path[1], frames, placed)
             and not _collides_grossly(chain, body, obstacles, margin, path, frames, placed)
             and path_collides(chain, body, obstacles, margin, sweep, path) < 0
         ):
-            return first
-    return 0
+            return True, path[1]
+    return False, path[1]
 
 
 @njit(cache=True)
@@ -56,8 +69,9 @@ def _collides_grossly(chain, body, obstacles, margin, path, frames, placed):  # 
 
 
 @njit(cache=True)
-def _durations(seconds):  # type: ignore[no-untyped-def]
-    """For every set of joints, as bits: how long it takes if these move first, then the others."""
+def _durations(seconds, least):  # type: ignore[no-untyped-def]
+    """For every set of joints, as bits: how long it takes if these move first, then the others,
+    and each stage takes so long at least."""
     out = np.empty(2 ** seconds.shape[0])
     for first in range(out.shape[0]):
         before = 0.0
@@ -67,5 +81,6 @@ def _durations(seconds):  # type: ignore[no-untyped-def]
                 before = max(before, seconds[k])
             else:
                 after = max(after, seconds[k])
-        out[first] = before + after if before > 0.0 and after > 0.0 else math.inf
+        some = before > 0.0 and after > 0.0
+        out[first] = max(before, least) + max(after, least) if some else math.inf
     return out

@@ -71,13 +71,12 @@ def staged(context: ArmContext, start: Floats, goal: Floats) -> Floats | None:
     """The quickest free path (p, n) on which first some joints move and then the others, with an
     arc in place of the corner; None where none is free."""
     robot = context.robot
-    first = quickest_staged(
+    found, corner = quickest_staged(
         robot.chain, context.body, context.obstacles, FREE_MARGIN, context.sweep,
         robot.velocity, start, goal,
     )  # fmt: skip
-    if not first:
+    if not found:
         return None
-    corner = np.where((first >> np.arange(len(start))) & 1, goal, start)
     for width in WIDTHS:
         before, after = corner + width * (start - corner), corner + width * (goal - corner)
         path = np.vstack([start, _arc(before, corner, after), goal])

@@ -38,7 +38,8 @@ MAX_TURN = 0.25
 ANOTHER = 0.3
 """Radians, or metres, in some joint by which one posture is another than the one before."""
 
-ITERATIONS = 60
+ITERATIONS, LINE_ITERATIONS = 60, 12
+"""Of inverse kinematics, from anywhere and from one step of a line to the next."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -175,13 +176,6 @@ class ReachSolver:
         starts[::2] = np.clip(near, robot.lower, robot.upper)
         return starts
 
-    def _ik(self, target: Pose, q: Floats, iterations: int) -> bool:
-        robot = self.robot
-        solved: bool = ik.solve(
-            *robot.chain, robot.lower, robot.upper, robot.tool, target, q, iterations, robot.ease
-        )
-        return solved
-
     def _lines(
         self,
         held: Sequence[Part],
@@ -214,12 +208,9 @@ class ReachSolver:
     def line(self, target: Pose, offset: Floats, start: Floats) -> Floats | None:
         """Configurations that move the tool on a straight line from the target pose."""
         steps = max(1, math.ceil(float(np.linalg.norm(offset)) / LINE_STEP))
-        path = [start]
-        pose = target.copy()
-        q = start.copy()
-        for i in range(1, steps + 1):
-            pose[:, 3] = target[:, 3] + offset * (i / steps)
-            if not self._ik(pose, q, 12) or np.abs(q - path[-1]).max() > MAX_TURN:
-                return None
-            path.append(q.copy())
-        return np.array(path)
+        robot = self.robot
+        path: Floats = ik.line(
+            robot.chain, robot.lower, robot.upper, robot.tool, target, offset, start, steps,
+            LINE_ITERATIONS, robot.ease, MAX_TURN,
+        )  # fmt: skip
+        return path if len(path) == steps + 1 else None

@@ -17,7 +17,6 @@ from domains.tabletop.why import barriers
 from domains.tabletop.why.blocking import Blame, as_data, in_words
 from domains.tabletop.why.contradictions import contradictions
 from domains.tabletop.why.finding import Finding, finding
-from domains.tabletop.why.relaxed import way_to_goal, way_to_object
 from domains.tabletop.why.tested import can_pick, can_place
 from runtime.reporting import Solves
 
@@ -116,14 +115,16 @@ class _Hopeless:
         return None
 
     def _can_be_taken(self) -> bool:
-        return way_to_object(self.world, self.alone, self.index) or can_pick(
-            self.problem, self.alone, self.index
-        )
+        # What never moves is the same with all else away: no other arrangement has to be made.
+        here = arrangement(self.world, self.state.placements)
+        return here.is_reachable(self.index) or can_pick(self.problem, self.alone, self.index)
 
     def _reaches_goal(self) -> bool:
-        return way_to_goal(self.world, self.alone, self.index, self.goal) or can_place(
-            self.problem, self.alone, self.index, self.goal
-        )
+        here = arrangement(self.world, self.state.placements)
+        return any(
+            here.places_of(self.index, self.goal, family).reachable.any()
+            for family in self.world.families
+        ) or can_place(self.problem, self.alone, self.index, self.goal)
 
     def _finding(self, cause: str, text: str, found: Sequence[barriers.Barrier]) -> Finding:
         ways = [barrier.as_json() for barrier in found]
