@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -38,12 +39,23 @@ def jobs_of(folder: Path, sketch: str | None, planner: str, timeout: float) -> l
     """
     if not folder.is_dir():
         raise InputError("is no folder", place=str(folder))
-    tasks = [
-        path for path in sorted(folder.rglob("*.pddl"), key=_natural) if "domain" not in path.name
-    ]
+    tasks = sorted(_tasks_below(folder), key=_natural)
     if not tasks:
         raise InputError("has no tasks (files ending in .pddl)", place=str(folder))
     return [Job(sketch or sketch_for(task), str(task), planner, 0, timeout) for task in tasks]
+
+
+def _tasks_below(folder: Path) -> Iterator[Path]:
+    """The tasks of a folder and those below it, which may be links: each is gone into once."""
+    been: set[str] = set()
+    for below, folders, names in os.walk(folder, followlinks=True):
+        been.add(os.path.realpath(below))
+        folders[:] = [
+            name for name in folders if os.path.realpath(os.path.join(below, name)) not in been
+        ]
+        for name in names:
+            if name.endswith(".pddl") and "domain" not in name:
+                yield Path(below, name)
 
 
 def _natural(path: Path) -> list[object]:
@@ -90,6 +102,7 @@ def run_job(job: Job) -> Result:
         report["findings"] = [finding.message for finding in verdict.findings]
     widths = Counter(0 if len(s.actions) == 1 else s.width for s in result.outcome.subgoals)
     report["widths"] = {str(width): count for width, count in sorted(widths.items())}
+    report["objects_moved"] = 0  # stores of all suites have it; here nothing is moved
     report["peak_mb"] = round(peak_memory_mb())
     return report
 

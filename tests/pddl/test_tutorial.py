@@ -11,6 +11,7 @@ from click.testing import CliRunner
 
 from benchmarks import logistics_tasks
 from domains.pddl import bench
+from runtime.bench import store
 from sketchlang.cli import cli
 
 PAGE = Path(__file__).parents[2] / "docs" / "tutorial-pddl.md"
@@ -59,3 +60,24 @@ def test_a_sketch_is_found_for_a_folder(tmp_path: Path) -> None:
         (tmp_path / name / "p1.pddl").touch()
     assert bench.sketch_for(tmp_path / "barman-sat11-strips" / "p1.pddl") == "barman"
     assert bench.sketch_for(tmp_path / "somewhere" / "p1.pddl") == "childsnack"
+
+
+def test_tasks_are_found_below_links_and_circles(tmp_path: Path) -> None:
+    (tmp_path / "far").mkdir()
+    for name in ("domain.pddl", "p10.pddl", "p2.pddl"):
+        (tmp_path / "far" / name).write_text("(define (domain child-snack))")
+    (tmp_path / "here").mkdir()
+    (tmp_path / "here" / "tasks").symlink_to(tmp_path / "far")
+    (tmp_path / "far" / "back").symlink_to(tmp_path / "here")
+    jobs = bench.jobs_of(tmp_path / "here", None, "siw-r", 60)
+    assert [Path(job.scene).name for job in jobs] == ["p2.pddl", "p10.pddl"]
+
+
+def test_a_benchmark_goes_on_where_it_ended(folder: Path) -> None:
+    """Its results are read again by the store that keeps them."""
+    job = bench.jobs_of(Path("tasks"), "tasks/stages.sketch", "siw-r", 60)[0]
+    with store.opened(Path("results.jsonl")) as results:
+        results.append(store.new_result(job, bench.run_job(job)))
+    (found,) = store.read_results(Path("results.jsonl"))
+    assert store.key(found) == job
+    assert found["valid"]
