@@ -7,6 +7,7 @@ subgoal at a time (`runtime.search.query`).
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -21,13 +22,14 @@ from runtime.reporting import ClassicalReporting, Document, Reporting
 from runtime.search.classical import ClassicalProblem
 from runtime.search.limits import Limits
 from runtime.search.planners import DEFAULT, PLANNERS
-from runtime.search.problem import SearchProblem
+from runtime.search.problem import SearchProblem, StartedAt
 from runtime.search.siw_r import End, Outcome, Progress
 from sketchlang.checking.checker import CheckedSketch
 from sketchlang.compile import CompiledSketch, compile_sketch, obstacles
 from sketchlang.domain import LoadOptions, SceneError, position_of
 from sketchlang.errors import InputError
 from sketchlang.library import find_scene
+from sketchlang.model import SketchModel
 
 
 def solve(
@@ -53,6 +55,10 @@ def solve(
 
 HASTY = Limits(k_max=1, attempts=3, rejections=120, generated=8_000, blind=4_000)
 """Limits for the small problems by which reasons are tested."""
+
+
+CURES = 1.0
+"""Seconds in which changes of a sketch are tried after a run that failed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,7 +135,23 @@ class Task:
             limits.k_max,
             self.checked.atoms,
             {} if domain is None else domain.atoms,
+            self._helps(outcome),
         )
+
+    def _helps(self, outcome: Outcome) -> Callable[[SketchModel], bool]:
+        """Whether a changed sketch solves what is left, as far as that shows in a short time."""
+        deadline = time.process_time() + CURES
+
+        def helps(model: SketchModel) -> bool:
+            left = deadline - time.process_time()
+            if left <= 0:
+                return False
+            rng = np.random.default_rng(self.seed)
+            limits = replace(HASTY, start=time.perf_counter(), timeout=left)
+            sketch = replace(self.sketch, model=model)
+            return solve(sketch, StartedAt(self.problem, outcome.state), limits, rng).solved
+
+        return helps
 
 
 @dataclass(frozen=True, eq=False)

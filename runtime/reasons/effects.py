@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 from runtime.search.retrospect import Deviation, Miss
@@ -12,15 +13,23 @@ from sketchlang.model import Effect, Kind, Rule, SketchModel
 Finding = dict[str, Any]
 
 
-def finding_of(model: SketchModel, miss: Miss, before: Sequence[int], done: str) -> Finding:
+def finding_of(
+    model: SketchModel, miss: Miss, before: Sequence[int], done: str, helps: bool = False
+) -> Finding:
     """The finding about a near miss; `done` are its actions in words, empty where they are not
-    known."""
+    known. `helps`: it was tried that the effects of `cured` lead to the goal."""
     rule = model.rules[miss.rule]
+    idle = miss.is_idle and not helps
+    text = _idle(model, rule, miss) if idle else _sentence(model, miss, before, done)
+    if helps:
+        anything = listed([f"`{effect(model, d.feature, Effect.ANY)}`" for d in miss.wrong])
+        text += f"; with {anything} the rest was solved"
     return {
         "rule": rule.name,
-        "cause": "not reached" if miss.is_idle else "effect",
-        "text": _idle(model, rule, miss) if miss.is_idle else _sentence(model, miss, before, done),
+        "cause": "not reached" if idle else "effect",
+        "text": text,
         "actions": done,
+        "tested": helps,
         "wrong": [
             {
                 "feature": model.features[d.feature].name,
@@ -32,6 +41,19 @@ def finding_of(model: SketchModel, miss: Miss, before: Sequence[int], done: str)
             for d in miss.wrong
         ],
     }
+
+
+def cured(model: SketchModel, miss: Miss) -> SketchModel | None:
+    """The sketch in which a near miss is a subgoal, since what its rule forbids there may be; None
+    where the rule would have nothing left that it asks for, or no actions are known."""
+    rule = model.rules[miss.rule]
+    wrong = {deviation.feature: Effect.ANY for deviation in miss.wrong}
+    asked = [f for f, kind in rule.effects.items() if kind is not Effect.ANY and f not in wrong]
+    if not miss.executable or not asked:
+        return None
+    rules = list(model.rules)
+    rules[miss.rule] = replace(rule, effects={**rule.effects, **wrong})
+    return replace(model, rules=tuple(rules))
 
 
 def _sentence(model: SketchModel, miss: Miss, before: Sequence[int], done: str) -> str:

@@ -1,7 +1,8 @@
 """The reason for an unsolved outcome, in one sentence, and all findings about it.
 
-Of what is known the surest comes first: a state that came again, no rule, what the domain has
-tested; then subgoals that were there, near misses, and what the domain only estimates.
+Of what is known the surest comes first: a state that came again, no rule, an effect of the sketch
+with whose change the rest was solved, what the domain has tested; then subgoals that were there,
+near misses, and what the domain only estimates.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from runtime.reasons.circle import circle
-from runtime.reasons.effects import finding_of
+from runtime.reasons.effects import cured, finding_of
 from runtime.reasons.rules import no_rule
 from runtime.reasons.width import Families, pruned
 from runtime.search.retrospect import Found, look_back
@@ -20,6 +21,8 @@ from sketchlang.model import SketchModel
 
 Finding = dict[str, Any]
 Describe = Callable[[Sequence[Any]], str]
+Helps = Callable[[SketchModel], bool]
+"""Whether a changed sketch solves the rest of the problem, without much ado."""
 
 SAID = 3
 """Findings that a reason tells; all are in the report."""
@@ -33,6 +36,7 @@ def explain(
     k: int,
     used: Sequence[str] = (),
     offered: Families | None = None,
+    helps: Helps = lambda model: False,
 ) -> None:
     """Write the reason and the findings into an unsolved outcome. `domain` are the findings of
     the domain; `certain` in one of them says that no search would change it. `used` and
@@ -40,8 +44,9 @@ def explain(
     assert outcome.stuck is not None
     sure = [finding for finding in domain if finding.get("certain")]
     # What was tested by planning without some things is sure enough.
-    tested = [f for f in domain if not f.get("certain") and f.get("blocking")]
-    unsure = [f for f in domain if not f.get("certain") and not f.get("blocking")]
+    doubted = [f for f in domain if not f.get("certain")]
+    tested = [f for f in doubted if f.get("blocking") or f.get("tested")]
+    unsure = [f for f in doubted if f not in tested]
     if outcome.end is End.CIRCLE:
         assert outcome.returned_to is not None
         rules = [subgoal.rule for subgoal in outcome.subgoals[outcome.returned_to :]]
@@ -54,18 +59,22 @@ def explain(
         outcome.why = [first, *domain]
         outcome.reason = first["text"]
         return
-    searched = _searched(outcome, model, describe, k, used, offered or {})
+    searched = _searched(outcome, model, describe, k, used, offered or {}, helps)
+    cures = [f for f in searched if f.get("tested")]
+    searched = [f for f in searched if not f.get("tested")]
+    short = [f for f in searched if f["cause"] == "effect" and f.pop("short", False)]
     certain = [f for f in searched if f["cause"] in ("width", "refused")]
-    effects = [f for f in searched if f["cause"] == "effect"]
+    effects = [f for f in searched if f["cause"] == "effect" and f not in short]
     idle = [f for f in searched if f["cause"] == "not reached"]
-    outcome.why = [*sure, *tested, *certain, *effects, *unsure, *idle]
+    outcome.why = [*cures, *sure, *tested, *short, *certain, *effects, *unsure, *idle]
     if outcome.end is End.TIME or not outcome.why:
         return
     first = outcome.why[0]
     said = outcome.why[:SAID] if first.get("certain") else [first]
     said = [finding for finding in said if finding.get("certain") == first.get("certain")]
     text = "; ".join(finding["text"] for finding in said)
-    outcome.reason = text if first in certain or first in effects else f"{outcome.reason}: {text}"
+    of_the_sketch = any(first in of for of in (cures, short, certain, effects))
+    outcome.reason = text if of_the_sketch else f"{outcome.reason}: {text}"
 
 
 def _searched(
@@ -75,6 +84,7 @@ def _searched(
     k: int,
     used: Sequence[str],
     offered: Families,
+    helps: Helps,
 ) -> list[Finding]:
     """What the last search came near to. Where a first search had no end, nothing can be said of
     what it would not have found."""
@@ -86,18 +96,28 @@ def _searched(
         return []
     seen = look_back(guide, tried, outcome.state, outcome.stuck)
     found = []
+    narrow: dict[str, int] = {}
     for subgoal in seen.subgoals:
         done = describe(subgoal.actions)
         if subgoal.refusal is None:
+            narrow[subgoal.rule] = len(subgoal.actions)
             found.append(pruned(subgoal, outcome.state, done, k, used, offered))
         else:
             found.append(_refused(subgoal, done))
-    reached = {subgoal.rule for subgoal in seen.subgoals}
+    refused = {subgoal.rule for subgoal in seen.subgoals if subgoal.refusal is not None}
     for miss in seen.misses:
-        if model.rules[miss.rule].name in reached or (outcome.rejections and not miss.executable):
+        name = model.rules[miss.rule].name
+        if name in refused or (outcome.rejections and not miss.executable):
+            continue
+        better = 0 < len(miss.actions) < narrow.get(name, 0)
+        if name in narrow and not better:
             continue
         done = describe(miss.actions) if miss.actions else ""
-        found.append(finding_of(model, miss, outcome.stuck, done))
+        changed = cured(model, miss)
+        cure = changed is not None and helps(changed)
+        one = finding_of(model, miss, outcome.stuck, done, cure)
+        # What a few actions nearly do tells more than a subgoal that takes many.
+        found.append(one | ({"short": True} if better else {}))
     return found
 
 

@@ -14,18 +14,24 @@ class OutOfPatienceError(Exception):
     """A subproblem has taken as many candidates as it may."""
 
 
+class DrawnBadlyError(Exception):
+    """X has refused as many candidates of one attempt at a subproblem as it may."""
+
+
 @dataclass
 class Limits:
     """`timeout` in seconds from the start; `k_max` bounds the width of IW(k); `attempts`
     is how often a subproblem is sampled before it is given up. It is given up, too, after so
     many `rejections` of X, or so many nodes `generated` where its actions are sampled, and after
-    a quarter of them (`blind`) if not one of them was a subgoal: counts and not times, so that the
-    same seed gives the same plan on every machine."""
+    a quarter of them (`blind`) if not one of them was a subgoal. An attempt ends after so many
+    `refusals` of X: samples that are bad are often all bad, and others are better. Counts and not
+    times, so that the same seed gives the same plan on every machine."""
 
     timeout: float | None = None
     k_max: int = 2
     attempts: int = 5
     rejections: int = 200
+    refusals: int = 50
     generated: int = 40_000
     blind: int = 10_000
     start: float = field(default_factory=time.perf_counter)

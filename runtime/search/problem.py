@@ -49,3 +49,15 @@ class SearchProblem(Protocol):
     def subproblem(self, state: State, attempt: int, rng: np.random.Generator) -> Subproblem:
         """Samples for the subproblem that starts in a state; denser with each attempt."""
         ...
+
+
+@dataclass(frozen=True)
+class StartedAt:
+    """A problem from another state on."""
+
+    problem: SearchProblem
+    initial: State
+
+    def subproblem(self, state: State, attempt: int, rng: np.random.Generator) -> Subproblem:
+        """Samples of the problem itself."""
+        return self.problem.subproblem(state, attempt, rng)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from runtime.search.guide import Guide, Values
-from runtime.search.limits import Limits, OutOfPatienceError
+from runtime.search.limits import DrawnBadlyError, Limits, OutOfPatienceError
 from runtime.search.problem import Action, Motion, Rejection, State, Subproblem
 
 
@@ -22,7 +22,8 @@ class Query:
     """Find a subgoal of the state `start`, whose feature values are `before`, by IW(k).
 
     `effort` is counted up as the search goes on, so that it is known after a time-out, too.
-    `spent` is what searches of the same subproblem have generated before.
+    `spent` is what searches of the same subproblem have generated before, `refused` how many
+    `rejections` are of them.
     """
 
     guide: Guide
@@ -34,6 +35,7 @@ class Query:
     effort: Effort = field(default_factory=Effort)
     rejections: list[Rejection] = field(default_factory=list)
     spent: int = 0
+    refused: int = 0
 
     def generate(self) -> None:
         """Count a generated node.
@@ -54,11 +56,14 @@ class Query:
 
         Raises:
             OutOfPatienceError: X has refused as many candidates of the subproblem as it may.
+            DrawnBadlyError: it has refused as many of this attempt.
         """
         answer = self.subproblem.execute(state, action)
         if isinstance(answer, Rejection):
             self.rejections.append(answer)
             if len(self.rejections) >= self.limits.rejections:
                 raise OutOfPatienceError
+            if len(self.rejections) - self.refused >= self.limits.refusals:
+                raise DrawnBadlyError
             return None
         return answer

@@ -21,7 +21,7 @@ import numpy as np
 from runtime.search.guide import Guide, Subgoal, Values
 from runtime.search.iw import Node, iw
 from runtime.search.lazy_iw import LazyIW
-from runtime.search.limits import Limits, OutOfPatienceError, OutOfTimeError
+from runtime.search.limits import DrawnBadlyError, Limits, OutOfPatienceError, OutOfTimeError
 from runtime.search.problem import Action, Motion, Rejection, SearchProblem, State, Subproblem
 from runtime.search.query import Effort, Query
 from sketchlang.compile import CompiledSketch
@@ -217,10 +217,13 @@ def find_subgoal(
         if tried is not None:
             tried.append(subproblem)
         query = Query(
-            guide, subproblem, state, values, k, limits, rejections=rejections, spent=spent
-        )
+            guide, subproblem, state, values, k, limits,
+            rejections=rejections, spent=spent, refused=len(rejections),
+        )  # fmt: skip
         try:
             found = search(query)
+        except DrawnBadlyError:
+            found = None
         except OutOfPatienceError:
             return None
         finally:

@@ -21,6 +21,7 @@ from domains.tabletop.items import why_not
 from domains.tabletop.state import State
 from domains.tabletop.why import barriers
 from domains.tabletop.why.blocking import Blame, as_data, in_words
+from domains.tabletop.why.crowded import crowded
 from domains.tabletop.why.finding import Finding, finding
 from domains.tabletop.why.relaxed import is_free, way_to_goal, way_to_object
 from domains.tabletop.why.tested import can_pick, can_place
@@ -65,7 +66,7 @@ def after(problem: TabletopProblem, outcome: Outcome, solves: Solves) -> list[Fi
     held = [] if state.held is None else [state.held]
     ended = outcome.end in (End.NO_RULE, End.NO_SUBGOAL)
     blame = Blame(problem, solves if ended else None, SECONDS)
-    found: list[Finding] = []
+    found: list[Finding] = crowded(problem.world, state) if ended else []
     for index in [*held, *sorted(misplaced(state) - set(held))]:
         goal = problem.world.goal_sites(index, here)
         if goal is not None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from itertools import combinations
 
+from domains.tabletop.ground import Ground
 from domains.tabletop.scene.model import PoseGoal, RegionGoal
 from domains.tabletop.why.finding import Finding, finding
 from domains.tabletop.world import TabletopWorld
@@ -57,7 +58,22 @@ def _overfull(world: TabletopWorld) -> list[Finding]:
                 f"take {1e4 * taken:.0f} cm2, and it has {1e4 * area:.0f}"
             )
             found.append(finding(names[0], "too small", text, others=names[1:]))
+            continue
+        for i, j in combinations(coming, 2):
+            if not _side_by_side(world, ground, i, j):
+                one, other = world.items[i].name, world.items[j].name
+                text = f"{ground.name} has room for {one} or {other}, not for both of them"
+                found.append(finding(one, "too small", text, others=[other]))
+                break
     return found
+
+
+def _side_by_side(world: TabletopWorld, ground: Ground, i: int, j: int) -> bool:
+    """Whether two objects could stand on a support together: not if, however they are turned,
+    their middles are less apart than both take, as far apart as the edges let them be."""
+    one, other = world.items[i].inner_radius, world.items[j].inner_radius
+    spans = [2 * half - one - other for half in ground.half]
+    return min(spans) >= 0 and math.hypot(*spans) >= one + other
 
 
 def _foot(world: TabletopWorld, index: int) -> float:
