@@ -46,6 +46,9 @@ def make_report(result: Result) -> dict[str, Any]:
         if outcome.stuck is not None:
             names = [feature.name for feature in task.sketch.model.features]
             report["stuck"] = dict(zip(names, outcome.stuck, strict=True))
+            large = task.checked.domain.large if task.checked.domain is not None else None
+            if large is not None and max(outcome.stuck, default=0) >= large[0]:
+                report["large"] = {"value": large[0], "stands_for": large[1]}
     return report
 
 
@@ -70,7 +73,15 @@ def summary(report: dict[str, Any]) -> list[str]:
             values = ", ".join(f"{name} = {value}" for name, value in report["stuck"].items())
             when = f"after {counted(subplans, 'subgoal')}" if subplans else "at the start"
             lines.append(f"{when} the features are {values}")
-        lines += [f"  {finding['text']}" for finding in report["why"]]
+        if "large" in report:
+            large = report["large"]
+            lines.append(f"  {large['value']} in a value stands for {large['stands_for']}")
+        # What the reason says already is not said again.
+        lines += [
+            f"  {finding['text']}"
+            for finding in report["why"]
+            if finding["text"] not in str(report["reason"])
+        ]
     fired = ", ".join(f"{rule} {count}x" for rule, count in report["rules_fired"].items())
     if fired:
         lines.append(f"rules: {fired}")

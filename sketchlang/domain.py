@@ -167,7 +167,8 @@ class Domain:
     `namer(state, element)` is what an element of a sort is called where people read it, or None
     where the domain has no name for it. `draw(path, name)` makes a picture of a scene, where that
     takes less than to load it. `schemas` are the actions that its problems have by themselves, each
-    in one line.
+    in one line. `large` is a number that a function returns for what cannot be counted, and what
+    it stands for, so that whoever reads it in a value is told.
     """
 
     name: str
@@ -184,6 +185,7 @@ class Domain:
     namer: Callable[[Any, Any], str | None] | None = None
     draw: Callable[[str, str], Picture] | None = None
     schemas: dict[str, str] = field(default_factory=dict)
+    large: tuple[int, str] | None = None
     _ignores: dict[str, frozenset[str]] = field(default_factory=dict)
     _declared: dict[str, Callable[..., Any]] = field(default_factory=dict)
     _resolved: dict[str, Function] = field(default_factory=dict)
@@ -222,6 +224,7 @@ class Domain:
             base.namer,
             base.draw,
             dict(base.schemas),
+            base.large,
             _ignores=dict(base._ignores),
             _declared=dict(base._declared),
             _resolved=dict(base._resolved),

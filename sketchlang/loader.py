@@ -19,6 +19,7 @@ from sketchlang.checking.checker import CheckedSketch, check
 from sketchlang.diagnostics import Diagnostic, Label, Severity
 from sketchlang.domain import Domain, DomainError
 from sketchlang.errors import InputError
+from sketchlang.library import SCENES_OF
 from sketchlang.reading import CODE_LIMIT, decoded, read_bytes, read_standard_input, read_text
 from sketchlang.source import Source
 from sketchlang.suggest import did_you_mean
@@ -340,6 +341,12 @@ def domain_names() -> list[str]:
     own = {path.parent.name for path in _HERE.glob("*/__init__.py")} - {"pddl"}
     own |= {path.parent.name for path in _HERE.glob(f"*/{_DOMAIN_PDDL}")}
     return sorted(own | {entry.name for entry in _entry_points()})
+
+
+def domain_of_scene(name: str) -> str:
+    """The domain of a built-in scene."""
+    folder = name.partition("/")[0]
+    return folder if folder in domain_names() else SCENES_OF
 
 
 def _entry_points() -> list[EntryPoint]:

@@ -20,6 +20,7 @@ domain = Domain(
     "tabletop",
     summary="Pick and place of objects on tables with a mobile robot",
     has_robots=True,
+    large=(1_000_000, "an object to which no way leads, whatever is moved"),
     schemas={
         "move_base(pose)": "The robot drives to another place, its arm at home.",
         "pick(object, grasp)": "The arm takes an object that it reaches, and goes home with it.",

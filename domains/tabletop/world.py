@@ -34,6 +34,7 @@ from domains.tabletop.scene.model import (
     SceneObject,
 )
 from domains.tabletop.state import UNIT, BasePose, Grasp, Placement, State, quantise_angle
+from runtime.kernels import plane
 from runtime.kernels.convex import Obstacles, boxes_only, join
 from runtime.motion.roads import Roads
 from runtime.motion.room import Room, room_around
@@ -44,6 +45,7 @@ from runtime.world.poses import Floats, Pose, compose, upright
 from runtime.world.solids import Box
 from runtime.world.stable import ANY_TURN
 from runtime.world.world import World
+from sketchlang.analysis.words import listed
 from sketchlang.errors import InputError
 
 if TYPE_CHECKING:
@@ -116,7 +118,7 @@ class TabletopWorld:
         x, y, _ = scene.robot_start
         if not is_fixed(robot) and not roads.can_leave(scene.robot_start):
             raise InputError(
-                f"the robot cannot stand at ({x:g}, {y:g}): it would touch a table or the fence",
+                f"the robot cannot stand at ({x:g}, {y:g}): {_too_near(scene, roads)}",
                 place=f"{scene.name}: robot_start",
             )
         turned = _seen_from(scene)
@@ -745,3 +747,16 @@ def grounds_of(scene: Scene, items: tuple[Item, ...]) -> tuple[Ground, ...]:
         pose = support.pose if owner is None else compose(items[owner].standing, support.pose)
         found.append(Ground(support.name, owner, pose, support.half, support.clearance))
     return tuple(found)
+
+
+def _too_near(scene: Scene, roads: Roads) -> str:
+    """What keeps the robot from turning where it starts."""
+    x, y, _ = scene.robot_start
+    names = [thing.name for thing in scene.world.fixed for _ in thing.body.parts]
+    rows = zip(names, roads.boxes, roads.clearance, strict=True)
+    near = {name for name, row, room in rows if plane.point_distance(row, x, y) < room}
+    return (
+        f"there is no room to turn between {listed(sorted(near))}"
+        if len(near) > 1
+        else (f"it would touch {listed(sorted(near))}, or could not turn beside it")
+    )

@@ -10,10 +10,11 @@ from pathlib import Path
 
 from runtime.search.planners import ABOUT, DEFAULT
 from sketchlang.errors import InputError
-from sketchlang.library import SCENES_OF, built_in_scenes, find_scene
+from sketchlang.library import built_in_scenes, find_scene
 from sketchlang.loader import (
     builtin_sketches,
     domain_names,
+    domain_of_scene,
     load_builtin,
     load_domain,
     read_includes,
@@ -48,9 +49,7 @@ def scenes() -> list[Entry]:
     found = []
     for name in built_in_scenes():
         path, _ = find_scene(name)
-        folder = name.partition("/")[0]
-        domain = folder if folder in domain_names() else SCENES_OF
-        found.append(Entry(name, _about_scene(path), {"domain": domain}))
+        found.append(Entry(name, _about_scene(path), {"domain": domain_of_scene(name)}))
     return found
 
 

@@ -21,12 +21,13 @@ from sketchlang.loader import (
     domain_names,
     given_domain,
     is_pddl_domain,
+    load_builtin,
     load_domain,
     load_sketch,
     pddl_domain,
     pddl_domain_of,
 )
-from sketchlang.reading import read_toml
+from sketchlang.reading import read_text, read_toml
 
 KINDS = ("domain", "scene", "robot", "sketch")
 
@@ -66,6 +67,24 @@ def find(name: str, kind: str | None = None, domain: str | None = None) -> list[
         what = kind or "domain, scene, robot or sketch"
         raise InputError(f"there is no {what} {name!r}, neither a file nor built in", hint=hint)
     return [_FINDERS[one](name, domain) for one in kinds]
+
+
+def source_of(name: str, kind: str | None = None) -> str:
+    """The text of the file that a name stands for: a scene, a sketch or a robot.
+
+    Raises:
+        InputError: there is no such file.
+    """
+    if Path(name).is_file():
+        return read_text(Path(name))
+    if kind in (None, "scene") and name in built_in_scenes():
+        return read_text(find_scene(name)[0])
+    if kind in (None, "sketch") and name in builtin_sketches():
+        return load_builtin(name).text
+    if kind in (None, "robot") and name in built_in_robots():
+        return read_text(Path(robot_path(name)))
+    what = kind or "scene, sketch or robot"
+    raise InputError(f"there is no {what} {name!r}", hint="`sketchlang list` names all there is")
 
 
 def _kind_of(path: Path) -> str:

@@ -14,7 +14,7 @@ import importlib
 import sys
 from pathlib import Path
 
-from runtime.kernels.cache import prepare
+from runtime.kernels.cache import announce, prepare
 
 ASKS = {
     "numba.np.arraymath": ("scipy", "scipy.linalg"),
@@ -37,3 +37,4 @@ def _without_libraries() -> None:
 
 _without_libraries()
 prepare(Path(__file__).parent)
+announce()

@@ -35,6 +35,26 @@ def prepare(package: Path) -> None:
     log.warning("no folder for compiled kernels: every start takes some 20 s (set %s)", FOLDER)
 
 
+def announce() -> None:
+    """Say once, when the first kernel is compiled, that this takes its time."""
+    from numba.core import event
+
+    class Once(event.Listener):  # type: ignore[misc]
+        said = False
+
+        def on_start(self, event: object) -> None:
+            if not Once.said:
+                Once.said = True
+                logging.getLogger("sketchlang").warning(
+                    "compiling kernels, once: this takes half a minute or more"
+                )
+
+        def on_end(self, event: object) -> None:
+            pass
+
+    event.register("numba:compile", Once())
+
+
 def can_write(folder: Path) -> bool:
     """Whether files can be made in a folder, which is made if it is missing."""
     try:

@@ -42,6 +42,22 @@ class Room(NamedTuple):
         return inside
 
 
+def whole(room: Room) -> Room:
+    """All of the floor where a robot can turn, whether or not it hangs together with the room."""
+    floor = room.floor
+    grid = plane.grid(
+        floor.boxes, floor.clearance, floor.x0, floor.y0, floor.cell, *room.cells.shape
+    )
+    clear = grid != plane.BLOCKED
+    return Room(clear, floor._replace(marks=plane.marked_cells(clear, grid)))
+
+
+def bare(room: Room) -> Room:
+    """The same floor with nothing on it."""
+    empty = room.floor._replace(boxes=np.zeros((0, 8)), clearance=np.zeros(0))
+    return whole(room._replace(floor=empty))
+
+
 def room_around(boxes: Floats, clearance: Floats, x: float, y: float) -> Room:
     """The room in which a robot stands at (x, y)."""
     reach = np.hypot(boxes[:, 3], boxes[:, 4]) if len(boxes) else np.zeros(0)

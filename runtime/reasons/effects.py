@@ -23,7 +23,7 @@ def finding_of(
     text = _idle(model, rule, miss) if idle else _sentence(model, miss, before, done)
     if helps:
         anything = listed([f"`{effect(model, d.feature, Effect.ANY)}`" for d in miss.wrong])
-        text += f"; with {anything} the rest was solved"
+        text += f"; with {anything} the run reaches the goal"
     return {
         "rule": rule.name,
         "cause": "not reached" if idle else "effect",

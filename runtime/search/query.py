@@ -22,8 +22,8 @@ class Query:
     """Find a subgoal of the state `start`, whose feature values are `before`, by IW(k).
 
     `effort` is counted up as the search goes on, so that it is known after a time-out, too.
-    `spent` is what searches of the same subproblem have generated before, `refused` how many
-    `rejections` are of them.
+    `spent` is what searches of the same subproblem have generated before. `stop` is the number of
+    `rejections` at which this search ends; None: no other than that of the limits.
     """
 
     guide: Guide
@@ -35,7 +35,7 @@ class Query:
     effort: Effort = field(default_factory=Effort)
     rejections: list[Rejection] = field(default_factory=list)
     spent: int = 0
-    refused: int = 0
+    stop: int | None = None
 
     def generate(self) -> None:
         """Count a generated node.
@@ -63,7 +63,7 @@ class Query:
             self.rejections.append(answer)
             if len(self.rejections) >= self.limits.rejections:
                 raise OutOfPatienceError
-            if len(self.rejections) - self.refused >= self.limits.refusals:
+            if self.stop is not None and len(self.rejections) >= self.stop:
                 raise DrawnBadlyError
             return None
         return answer

@@ -218,7 +218,7 @@ def find_subgoal(
             tried.append(subproblem)
         query = Query(
             guide, subproblem, state, values, k, limits,
-            rejections=rejections, spent=spent, refused=len(rejections),
+            rejections=rejections, spent=spent, stop=len(rejections) + limits.refusals,
         )  # fmt: skip
         try:
             found = search(query)

@@ -5,12 +5,12 @@ from __future__ import annotations
 import heapq
 from collections import deque
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from runtime.search.guide import Guide, Values
-from runtime.search.limits import Limits
+from runtime.search.limits import Limits, OutOfTimeError
 from runtime.search.problem import Action, Rejection, SearchProblem, State
 
 WALK = 200
@@ -34,20 +34,26 @@ class Seen:
 
     def actions(self) -> list[str]:
         """The actions from the scene's initial state to this one, as texts."""
-        texts: list[str] = []
+        return [str(action) for action in self.path()]
+
+    def path(self) -> list[Action]:
+        """The actions from the scene's initial state to this one."""
+        found: list[Action] = []
         seen: Seen | None = self
         while seen is not None and seen.parent is not None:
-            texts.append(str(seen.action))
+            found.append(seen.action)
             seen = seen.parent
-        return texts[::-1]
+        return found[::-1]
 
 
 @dataclass(frozen=True)
 class Explored:
-    """States of a scene in the order in which they were found; all there are, if `complete`."""
+    """States of a scene in the order in which they were found; all there are, if `complete`.
+    `cut`: the time was over before as many were found as were wanted."""
 
     states: list[Seen] = field(default_factory=list)
     complete: bool = True
+    cut: bool = False
 
 
 def successors(
@@ -63,15 +69,38 @@ def successors(
 def explore(
     problem: SearchProblem, guide: Guide, most: int, limits: Limits, rng: np.random.Generator
 ) -> Explored:
-    """Up to `most` states, breadth first, and behind that by random walks.
+    """Up to `most` states, breadth first, and behind that by random walks; as many as are found
+    in the time of the limits, of which half goes to the walks where it gets short.
 
     Raises:
-        OutOfTimeError: when the limits say so.
         EvaluationError: a function of the domain breaks its promise.
     """
     root = Seen(problem.initial, guide.values(problem.initial))
     known = {problem.initial: root}
-    queue = deque([root])
+    early = limits if limits.timeout is None else replace(limits, timeout=limits.timeout * NEAR)
+    try:
+        if _flood(problem, guide, known, most, early, rng):
+            return Explored(list(known.values()))
+        known = {s.state: s for s in list(known.values())[: max(1, int(most * NEAR))]}
+    except OutOfTimeError:
+        pass
+    try:
+        _walk(problem, guide, known, most, limits, rng)
+    except OutOfTimeError:
+        return Explored(list(known.values()), complete=False, cut=True)
+    return Explored(list(known.values()), complete=False)
+
+
+def _flood(
+    problem: SearchProblem,
+    guide: Guide,
+    known: dict[State, Seen],
+    most: int,
+    limits: Limits,
+    rng: np.random.Generator,
+) -> bool:
+    """Adds states breadth first, until there are more than `most`; whether these are all."""
+    queue = deque(known.values())
     while queue:
         seen = queue.popleft()
         for action, after in successors(problem, seen.state, rng):
@@ -80,10 +109,8 @@ def explore(
                 known[after] = Seen(after, guide.values(after), seen, action)
                 queue.append(known[after])
         if len(known) > most:
-            known = {s.state: s for s in list(known.values())[: max(1, int(most * NEAR))]}
-            _walk(problem, guide, known, most, limits, rng)
-            return Explored(list(known.values()), complete=False)
-    return Explored(list(known.values()))
+            return False
+    return True
 
 
 def _walk(

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from runtime.search.classical import ClassicalProblem
 from runtime.search.guide import GOAL, Guide, Values
-from runtime.search.limits import Limits, OutOfTimeError
-from runtime.search.problem import SearchProblem
+from runtime.search.limits import Limits, OutOfPatienceError, OutOfTimeError
+from runtime.search.problem import Action, SearchProblem
 from runtime.trial.explore import Explored, Seen, climb, explore
 from runtime.trial.width import Width, width_of
 from sketchlang.analysis.limits import Budget
@@ -26,6 +27,9 @@ ERRORS = ("invariant", "bounded", "dead-end")
 
 SUBPROBLEM_SECONDS = 3.0
 """Time for the search from one state. A subproblem that takes longer counts as too wide."""
+
+EXPLORING = 0.4
+"""The part of a scene's time in which its states are looked for."""
 
 PROOF_SECONDS = 2.0
 """Time to find out whether the sketch terminates."""
@@ -46,12 +50,14 @@ class Effort:
 @dataclass(frozen=True)
 class Finding:
     """`kind` is one of `invariant`, `bounded`, `dead-end`, `width`, `uncovered`, `never-fires`,
-    `endless`; `actions` lead from the scene's initial state to where it can be seen."""
+    `endless`; `actions` lead from the scene's initial state to where it can be seen, `done` says
+    them in a few words."""
 
     kind: str
     text: str
     scene: str | None = None
     actions: tuple[str, ...] = ()
+    done: str = ""
     state: str | None = None
     values: Values | None = None
 
@@ -88,6 +94,13 @@ def without_invariants(checked: CheckedSketch) -> CompiledSketch:
     return compile_sketch(replace(checked, model=replace(checked.model, invariants=())))
 
 
+Describe = Callable[[Sequence[Action]], str]
+
+
+def _each(actions: Sequence[Action]) -> str:
+    return ", ".join(map(str, actions))
+
+
 class Examiner:
     """Examines scenes one after another with one sketch."""
 
@@ -100,18 +113,23 @@ class Examiner:
         self._wide: set[str] = set()
         self._told: set[tuple[str, object]] = set()
 
-    def examine(self, scene: str, problem: SearchProblem, seconds: float) -> None:
-        """Looks at the states of a scene for so many seconds.
+    def examine(
+        self, scene: str, problem: SearchProblem, seconds: float, describe: Describe = _each
+    ) -> None:
+        """Looks at the states of a scene for so many seconds; `describe` puts actions in words.
 
         Raises:
             EvaluationError: a function of the domain breaks its promise.
         """
         guide = Guide(self.sketch)
         self._wide = set()
+        self._describe = describe
         self.limits = Limits(timeout=seconds, k_max=self.effort.k_max)
         self.trial.states[scene], self.trial.complete[scene] = 0, False
         try:
-            found = explore(problem, guide, self.effort.states, self.limits, self.rng)
+            early = replace(self.limits, timeout=seconds * EXPLORING)
+            found = explore(problem, guide, self.effort.states, early, self.rng)
+            self.trial.out_of_time |= found.cut
             self.trial.states[scene] = len(found.states)
             self.trial.complete[scene] = found.complete
             for seen in found.states:
@@ -195,7 +213,7 @@ class Examiner:
             return width_of(
                 problem, guide, seen.state, seen.values, k_max, search, limits, self.rng
             )
-        except OutOfTimeError:
+        except (OutOfTimeError, OutOfPatienceError):
             self.limits.check()
             return Width(None, None, (), None)
 
@@ -217,6 +235,9 @@ class Examiner:
                 if rule.applies(seen.values):
                     trial.widths[rule.name] = None
             text = f"more than width {self.effort.k_max} is needed at {where} to find {aim}"
+            if not isinstance(problem, ClassicalProblem):
+                text = f"{aim} was not found at {where} with width up to {self.effort.k_max}"
+                text += ", among the actions that were sampled"
             self._tell("width", where, text, scene, seen)
         else:
             name = found.rule or GOAL
@@ -252,8 +273,9 @@ class Examiner:
         if seen is None:
             self.trial.findings.append(Finding(kind, text, scene))
             return
+        done = self._describe(seen.path()) if seen.parent is not None else ""
         actions = tuple(seen.actions())
-        finding = Finding(kind, text, scene, actions, shown(seen.state), seen.values)
+        finding = Finding(kind, text, scene, actions, done, shown(seen.state), seen.values)
         self.trial.findings.append(finding)
 
 

@@ -170,8 +170,8 @@ def _gap_warning(
 
 def _why_not(model: SketchModel, obstacle: Obstacle) -> str:
     if obstacle.lowered is None:
-        return "leads only to what invariants exclude"
-    return f"cannot happen: {model.features[obstacle.lowered].name} = 0"
+        return "all that it could lead to is excluded by invariants"
+    return f"`{model.features[obstacle.lowered].name}` is 0 there and cannot fall"
 
 
 def _obstacle(model: SketchModel, obstacle: Obstacle, position: Position) -> str:

@@ -172,8 +172,8 @@ def _print(
 def _part(offer: Offer) -> str:
     part = float(offer.proposal.forbids)
     if not part:
-        return "forbids no edge of the policy graph"
-    return f"forbids {max(part, 0.001):.1%} of the edges of the policy graph"
+        return "forbids no step that the sketch allows now"
+    return f"forbids {max(part, 0.001):.1%} of the steps that the sketch allows now"
 
 
 def _as_json(loaded: Loaded, offers: Sequence[Offer], fine: bool, complete: bool) -> dict[str, Any]:

@@ -22,6 +22,7 @@ Examples:
   sketchlang show tabletop
   sketchlang show sorting/4t-07
   sketchlang show my-scene.toml --svg scene.svg
+  sketchlang show kitchen/tidy --source > my-scene.toml
   sketchlang show tiago
   sketchlang show gripper --as domain --json
   sketchlang show task.pddl
@@ -41,6 +42,7 @@ Examples:
     metavar="OUT",
     help="Draw a scene into an SVG file.",
 )
+@click.option("--source", is_flag=True, help="Print the file itself, to start one's own from.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else.")
 @click.option(
     "--domain",
@@ -50,7 +52,12 @@ Examples:
 )
 @interruptible
 def command(
-    name: str, kind: str | None, out: Path | None, as_json: bool, domain: str | None
+    name: str,
+    kind: str | None,
+    out: Path | None,
+    source: bool,
+    as_json: bool,
+    domain: str | None,
 ) -> None:
     """Show what NAME stands for, a built-in name or a path: the functions, atoms and actions of a
     domain; a scene from above, or the objects and the goal of a PDDL task; joints, gripper and
@@ -60,14 +67,19 @@ def command(
 
     Exit 0: shown. 2: there is no such thing, or something is wrong with it.
     """
-    from runtime.inspect.find import find
+    from runtime.inspect.find import find, source_of
     from sketchlang.domain import SceneError
     from sketchlang.errors import InputError
     from sketchlang.escape import dumps
     from sketchlang.render import console
 
+    if source and (as_json or out is not None):
+        fail("--source goes with neither --json nor --svg")
     check_outputs((name, domain), {"--svg": out})
     try:
+        if source:
+            click.echo(source_of(name, kind), nl=False)
+            return
         found = find(name, kind, domain)
         drawings = [one.picture.svg() for one in found] if out is not None else []
         drawn = next((drawing for drawing in drawings if drawing is not None), None)

@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 
 FORMAT = "sketchlang-test-finding"
 
+SCENES = 4
+"""Scenes of its own that a domain is tested with, the smallest ones."""
+
 
 @click.command("test")
 @click.argument("sketch", metavar="SKETCH", shell_complete=names.sketches)
@@ -29,7 +32,7 @@ FORMAT = "sketchlang-test-finding"
     metavar="SCENE",
     multiple=True,
     shell_complete=names.scenes,
-    help="A scene, by name or path; may be given more than once [default: the domain's own].",
+    help="A scene, by name or path; may be given more than once [default: four small ones].",
 )
 @click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True)
 @click.option(
@@ -122,13 +125,15 @@ def command(
 
 
 def _own_scenes(loaded: Loaded) -> list[str]:
-    """The scenes that come with the sketch's domain."""
-    from sketchlang.library import built_in_scenes
+    """The smallest scenes that come with the sketch's domain."""
+    from sketchlang.library import built_in_scenes, find_scene
+    from sketchlang.loader import domain_of_scene
 
     domain = loaded.checked.domain
     if domain is None:
         fail("a sketch that uses no domain cannot be tested", "write `use DOMAIN`")
-    names = [name for name in built_in_scenes() if name.partition("/")[0] == domain.name]
+    names = [name for name in built_in_scenes() if domain_of_scene(name) == domain.name]
+    names = sorted(names, key=lambda name: find_scene(name)[0].stat().st_size)[:SCENES]
     if not names:
         fail(f"the domain {domain.name} has no scenes of its own", "give --scenes FILE")
     return names
@@ -144,7 +149,12 @@ def _examined(loaded: Loaded, scenes: Any, effort: Any, time_limit: float, seed:
     for number, task in enumerate(tasks):
         task.reporting.warm_up()
         left = time_limit - (time.perf_counter() - started)
-        examiner.examine(task.scene, task.problem, max(left, 0.0) / (len(tasks) - number))
+        examiner.examine(
+            task.scene,
+            task.problem,
+            max(left, 0.0) / (len(tasks) - number),
+            task.reporting.describe,
+        )
     return examiner.finish()
 
 
@@ -189,8 +199,10 @@ def _print(trial: Trial, k_max: int, files: list[Path]) -> None:
         if finding.scene is not None:
             after = len(finding.actions)
             when = f"after {counted(after, 'action')}" if after else "at the start"
-            say(f"  {finding.scene}, {when}")
-            say(f"  {finding.state}")
+            done = f" (`{finding.done}`)" if finding.done else ""
+            say(f"  {finding.scene}, {when}{done}")
+            values = zip(trial.model.features, finding.values or (), strict=True)
+            say("  " + ", ".join(f"{feature.name} = {value}" for feature, value in values))
         say("")
     for scene, count in trial.states.items():
         width = _width(trial.by_scene.get(scene, 0), k_max)

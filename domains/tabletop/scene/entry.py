@@ -82,8 +82,8 @@ class Entry:
         """Note every key that nobody asked for."""
         for key in self.data:
             if key not in self._asked:
-                close = difflib.get_close_matches(key, list(self._asked), 1)
-                hint = f"did you mean {close[0]!r}?" if close else None
+                close = difflib.get_close_matches(key, list(self._asked), 1, 0.7)
+                hint = f"did you mean {close[0]!r}?" if close else f"keys: {', '.join(self._asked)}"
                 line = self.document.lines.of(self.kind, self.order, key)
                 self.document.note(line, self.where, f"unknown key {key!r}", hint)
 

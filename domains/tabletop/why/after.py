@@ -29,7 +29,7 @@ from domains.tabletop.world import TabletopWorld
 from runtime.kernels.plane import point_distance
 from runtime.reporting import Solves
 from runtime.search.siw_r import End, Outcome
-from sketchlang.analysis.words import listed
+from sketchlang.analysis.words import counted, listed
 
 if TYPE_CHECKING:
     from domains.tabletop.problem import TabletopProblem
@@ -168,8 +168,10 @@ class _Stuck:
         if least >= UNREACHABLE or (least and here.in_the_way(index, self.goal)):
             return self._obstructed()
         if refused:
-            said = ", ".join(f"{n} times {STEPS.get(s, s)}" for s, n in refused.most_common())
-            text = f"{name}: X refused every way that was tried, {said}"
+            said = ", ".join(
+                f"{STEPS.get(s, s)} ({counted(n, 'time')})" for s, n in refused.most_common()
+            )
+            text = f"{name}: X refused every way that was tried: {said}"
             if self.is_held:
                 where = f"{self.ground.name}{self._depth()}"
                 text = f"{name} cannot be put on {where}: {said}"

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from domains.tabletop.features.functions import arrangement
 from domains.tabletop.features.goals import GoalSites
 from domains.tabletop.state import State
 from domains.tabletop.world import SiteHold, TabletopWorld
+from runtime.motion.room import Room, bare, whole
 from runtime.world.poses import Floats
 from sketchlang.analysis.words import listed
 
@@ -30,37 +31,37 @@ NAMED = 3
 @dataclass(frozen=True)
 class Barrier:
     """The ways of one family: how many there are, how many each thing bars, by name, the fewest
-    things in one way, and how many ways nothing bars (but the robot cannot use). `drives`: whether
-    the robot can stand elsewhere."""
+    things in one way, and how many ways nothing bars, but the robot cannot use: `short` says what
+    it lacks."""
 
     family: int
     ways: int
     barred: dict[str, int]
     nearest: tuple[str, ...]
     free: int
-    drives: bool = True
+    short: str = ""
 
     @property
     def text(self) -> str:
         """The same in a clause."""
-        where = FROM[self.family]
+        return f"{FROM[self.family]} {self.clause}"
+
+    @property
+    def clause(self) -> str:
+        """The same without where the hand comes from."""
         if self.free:
-            short = "the arm is too short"
-            return (
-                f"{where} there is nowhere to stand, or {short}"
-                if self.drives
-                else (f"{where} {short}")
-            )
+            return self.short
         many = Counter(self.barred).most_common()
         all_of_them = [name for name, count in many if count == self.ways]
         if all_of_them:
-            said = f"{listed(all_of_them[:NAMED])} {_is(all_of_them)} in all {self.ways} ways"
+            verb = "blocks" if len(all_of_them) == 1 else "block"
+            said = f"{listed(all_of_them[:NAMED])} {verb} all {self.ways} ways in"
         else:
-            parts = [f"{name} is in {count}" for name, count in many[:NAMED]]
-            said = f"{listed(parts)} of {self.ways} ways"
+            parts = [f"{name} blocks {count}" for name, count in many[:NAMED]]
+            said = f"{listed(parts)} of {self.ways} ways in"
         if set(self.nearest) != set(all_of_them):
             said += f", the nearest way in is barred by {listed(self.nearest[:NAMED])}"
-        return f"{where} {said}"
+        return said
 
     def as_json(self) -> dict[str, object]:
         """The same as plain data."""
@@ -71,10 +72,6 @@ class Barrier:
             "nearest": list(self.nearest),
             "unreachable": self.free,
         }
-
-
-def _is(names: list[str]) -> str:
-    return "is" if len(names) == 1 else "are"
 
 
 def to_object(world: TabletopWorld, state: State, index: int) -> list[Barrier]:
@@ -101,7 +98,11 @@ def to_goal(world: TabletopWorld, state: State, index: int, goal: GoalSites) -> 
 
 def in_words(barriers: list[Barrier]) -> str:
     """The ways of all families."""
-    return "; ".join(barrier.text for barrier in barriers) or "no hand fits there"
+    alike: dict[str, list[str]] = {}
+    for barrier in barriers:
+        alike.setdefault(barrier.clause, []).append(FROM[barrier.family])
+    said = [f"{listed(where)} {clause}" for clause, where in alike.items()]
+    return "; ".join(said) or "no hand fits there"
 
 
 def _barriers(
@@ -161,4 +162,20 @@ def _barrier(
             if nearest is None or len(things) < len(nearest):
                 nearest = things
     known = dict(barred.most_common())
-    return Barrier(family, ways, known, nearest or (), free, not world.is_fixed)
+    short = _short_of(world, sites, own, hold, family) if free else ""
+    return Barrier(family, ways, known, nearest or (), free, short)
+
+
+def _short_of(world: TabletopWorld, sites: Floats, own: Floats, hold: SiteHold, family: int) -> str:
+    """Why the robot cannot use ways that nothing bars."""
+
+    def reaches(room: Room) -> bool:
+        elsewhere = replace(world, room=room)
+        return bool(elsewhere.reachable(sites, own, hold, family).any())
+
+    if not world.is_fixed:
+        if reaches(whole(world.room)):
+            return "the robot cannot drive to where it would have to stand"
+        if reaches(bare(world.room)):
+            return "there is nowhere to stand"
+    return "the arm is too short"
