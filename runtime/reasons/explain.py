@@ -117,7 +117,10 @@ def _searched(
         cure = changed is not None and helps(changed)
         one = finding_of(model, miss, outcome.stuck, done, cure)
         # What a few actions nearly do tells more than a subgoal that takes many.
-        found.append(one | ({"short": True} if better else {}))
+        if not better:
+            found.append(one)
+        elif one["cause"] == "effect":
+            found.append(one | {"short": True})
     return found
 
 

@@ -24,7 +24,11 @@ def no_rule(model: SketchModel, values: Sequence[int]) -> Finding:
     missing = {rule.name: _missing(model, rule, values) for rule in model.rules}
     nearest = sorted(missing, key=lambda name: len(missing[name]))[:NEAR]
     fewest = len(missing[nearest[0]]) if nearest else 0
-    asks = [_asks(name, missing[name]) for name in nearest if len(missing[name]) == fewest]
+    near = {name: missing[name] for name in nearest if len(missing[name]) == fewest}
+    if len(near) > 1 and len(set(map(tuple, near.values()))) == 1:
+        asks = [f"{listed(list(near))} both ask for {listed(next(iter(near.values())))}"]
+    else:
+        asks = [_asks(name, literals) for name, literals in near.items()]
     if model.goal is not None and model.is_goal(tuple(values)):
         text = f"the goal of the sketch holds at {whole}, but that of the task does not"
     else:

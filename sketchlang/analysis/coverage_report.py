@@ -171,7 +171,7 @@ def _gap_warning(
 def _why_not(model: SketchModel, obstacle: Obstacle) -> str:
     if obstacle.lowered is None:
         return "all that it could lead to is excluded by invariants"
-    return f"`{model.features[obstacle.lowered].name}` is 0 there and cannot fall"
+    return f"cannot happen: `{model.features[obstacle.lowered].name}` is 0 there"
 
 
 def _obstacle(model: SketchModel, obstacle: Obstacle, position: Position) -> str:

@@ -39,7 +39,7 @@ from sketchlang.analysis.elimination import drop
 from sketchlang.analysis.limits import Budget, LimitReachedError
 from sketchlang.analysis.termination import NonTerminating, Terminating, decide_termination
 from sketchlang.analysis.walk import Move
-from sketchlang.model import Kind, SketchModel
+from sketchlang.model import Effect, Kind, SketchModel
 
 MOST_PROPOSALS = 5
 """Proposals that are made if there are so many."""
@@ -162,12 +162,21 @@ def _weight(change: Change) -> int:
 
 @dataclass(order=True)
 class _Node:
-    """A set of changes that is to be tried."""
+    """A set of changes that is to be tried. Of those that forbid as much, what only keeps a
+    feature from changing comes before `demands` that something happens: that may be impossible."""
 
     size: int
     forbids: Fraction
+    demands: int
     serial: int
     changes: tuple[Change, ...] = field(compare=False)
+
+
+def _demands(change: Change) -> bool:
+    """Whether an effect has to happen now, and may not stay away."""
+    return isinstance(change, Tighten) and change.effect in (
+        Effect.DEC, Effect.INC, Effect.SET, Effect.CLEAR,
+    )  # fmt: skip
 
 
 class _Search:
@@ -201,7 +210,7 @@ class _Search:
     def _solutions(self) -> Iterator[_Node]:
         """Sets of changes that suffice, without supersets of others, the smallest first."""
         serial = itertools.count()
-        queue = [_Node(0, Fraction(0), next(serial), ())]
+        queue = [_Node(0, Fraction(0), 0, next(serial), ())]
         seen: set[frozenset[Change]] = set()
         found: list[frozenset[Change]] = []
         while queue:
@@ -222,7 +231,8 @@ class _Search:
                     seen.add(chosen | {change})
                     size, cost = node.size + _weight(change), node.forbids + self._cost(change)
                     changes = (*node.changes, change)
-                    heapq.heappush(queue, _Node(size, cost, next(serial), changes))
+                    demands = node.demands + _demands(change)
+                    heapq.heappush(queue, _Node(size, cost, demands, next(serial), changes))
 
     def _proposal(self, node: _Node, found: Sequence[Proposal]) -> Proposal:
         least = sum(map(_weight, found[0].changes)) if found else node.size

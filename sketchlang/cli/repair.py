@@ -70,7 +70,7 @@ def command(
 
     A change tightens an effect, adds a condition, declares a nat bounded, or an invariant; to
     leave out a rule counts as three. Each proposal is proved. Of proposals of one size those
-    come first that forbid less, measured by the edges of the policy graph. --apply writes
+    come first that forbid less of the steps that the sketch allows now. --apply writes
     one of them into FILE.
 
     Exit 0 if there are proposals, or if the sketch terminates as it is; 1 if none was found;

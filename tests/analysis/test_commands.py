@@ -135,7 +135,7 @@ def test_coverage(sketch: Path) -> None:
     result = run("coverage", sketch)
     assert result.exit_code == 1
     assert "{!H, m > 0, u > 0, v = 0}" in result.output
-    assert "clear_way applies, but `v--` cannot happen: v = 0." in result.output
+    assert "clear_way applies, but `v--` cannot happen: `v` is 0 there." in result.output
     found = json.loads(run("coverage", sketch, "--json", "--overlaps").output)
     assert found["gaps"][0]["valuations"] == {"H": False, "m": "> 0", "u": "> 0", "v": "= 0"}
     assert found["overlaps"] == []

@@ -11,9 +11,10 @@ import pytest
 from click.testing import CliRunner
 from hypothesis import given, settings, strategies
 
+from runtime.reasons.effects import cured
 from runtime.search.guide import Guide
 from runtime.search.limits import Limits
-from runtime.search.retrospect import look_back
+from runtime.search.retrospect import Deviation, Miss, look_back
 from runtime.show.moments import moments
 from runtime.solve import open_task
 from runtime.trace.load import load_trace
@@ -300,3 +301,44 @@ def test_limits_do_not_depend_on_time() -> None:
     limits = Limits()
     assert 0 < limits.blind < limits.generated
     assert all(isinstance(n, int) for n in itertools.chain([limits.blind, limits.generated]))
+
+
+SORT = """sketch sort
+use tabletop
+feature H : bool = some o in objects: held(o)
+feature m : nat = count o in objects: misplaced(o)
+feature easy : nat = count o in objects where misplaced(o): obstructions(o) = 0
+feature v : nat = sum o in objects where misplaced(o): obstructions(o)
+invariant not H and m > 0 and easy = 0 -> v > 0
+atoms robot_at, object_at
+goal { !H, m = 0 }
+rule take { !H, easy > 0 } -> { H, m--, easy--, TAKE }
+rule free { !H, m > 0, easy = 0 } -> { H, v--, FREE }
+rule put { H } -> { !H, easy? }
+"""
+
+
+@pytest.mark.parametrize(("take", "free", "cure"), [("v--", "easy?", "v?"), ("v?", "m?", "easy?")])
+def test_a_change_that_was_tried_and_leads_to_the_goal_comes_first(
+    tmp_path, take, free, cure
+) -> None:
+    """An effect that does not happen, and one that is forgotten, where things are barred, too."""
+    path = tmp_path / "sort.sketch"
+    path.write_text(SORT.replace("TAKE", take).replace("FREE", free))
+    found = json.loads(CliRunner().invoke(run, [str(path), "sorting/1t-20", "--json"]).stdout)
+    assert found["why"][0]["tested"], found["reason"]
+    assert f"with `{cure}` the run reaches the goal" in found["reason"]
+    path.write_text(
+        SORT.replace("TAKE", cure if take == "v--" else take).replace(
+            "FREE", free if take == "v--" else f"{free}, {cure}"
+        )
+    )
+    assert CliRunner().invoke(run, [str(path), "sorting/1t-20"]).exit_code == 0
+
+
+def test_a_rule_that_would_ask_for_nothing_is_no_cure() -> None:
+    model = load_sketch("delivery_policy").checked.model
+    rule = next(i for i, one in enumerate(model.rules) if one.name == "pick")
+    feature = next(iter(model.rules[rule].effects))
+    wrong = (Deviation(feature, 0, 0, Effect.SET),)
+    assert cured(model, Miss(rule, (0,) * len(model.features), wrong, ("go",), True)) is None

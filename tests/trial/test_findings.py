@@ -200,8 +200,17 @@ def test_users_mistakes(tmp_path: Path) -> None:
         ("blocks_clear", "--scenes", "no/such"),
         ("blocks_clear", "--time-limit", "nan"),
         ("blocks_clear", "--k-max", 9),
-        ("pick_and_place",),
+        ("gripper",),
     ):
         result = run("test", *arguments)
         assert result.exit_code == 2, arguments
         assert "Traceback" not in result.output
+
+
+def test_the_smallest_scenes_of_a_domain_are_taken_where_none_is_named() -> None:
+    """Also where its scenes lie in folders of other names, and no state space has an end."""
+    done = run("test", "pick_and_place", "--json", "--time-limit", 12, "--states", 60)
+    assert done.exit_code == 0, done.output
+    scenes = json.loads(done.stdout)["scenes"]
+    assert len(scenes) == 4
+    assert all(scene["states"] > 0 and not scene["complete"] for scene in scenes)

@@ -156,7 +156,7 @@ class _Stuck:
 
     def _refused(self, cause: str, what: str, refused: Counter[str]) -> Finding:
         said = listed([STEPS.get(step, step) for step, _ in refused.most_common()])
-        text = f"{self.name} {what}: with nothing else about, {said}"
+        text = f"{self.name} {what}: even with no other object about, {said}"
         return finding(self.name, cause, text, steps=dict(refused))
 
     def estimated(self, refused: Counter[str]) -> Finding | None:

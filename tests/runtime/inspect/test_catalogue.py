@@ -144,3 +144,18 @@ def test_what_cannot_be_shown(
     assert done.exit_code == 2
     assert said in done.output
     assert not Path("x.svg").exists()
+
+
+@pytest.mark.parametrize(
+    ("name", "path"),
+    [
+        ("kitchen/tidy", "domains/kitchen/scenes/tidy.toml"),
+        ("tiago", "runtime/robot/tiago/tiago.toml"),
+        ("pick_and_place", "domains/pick_and_place.sketch"),
+    ],
+)
+def test_the_source_of_what_comes_along_can_be_printed(name, path) -> None:
+    done = call("show", name, "--source")
+    assert done.exit_code == 0, done.output
+    assert done.output == (ROOT / path).read_text(encoding="utf-8")
+    assert call("show", name, "--source", "--json").exit_code == 2

@@ -4,9 +4,13 @@ from __future__ import annotations
 
 from types import SimpleNamespace
 
+import numpy as np
+
 from runtime.search.iw import iw
 from runtime.search.limits import Limits
-from runtime.search.query import Query
+from runtime.search.problem import Rejection
+from runtime.search.query import Effort, Query
+from runtime.search.siw_r import eager, find_subgoal
 
 
 class Twins:
@@ -35,3 +39,42 @@ def test_a_sibling_with_nothing_new_is_not_even_executed() -> None:
     assert iw(query) is None
     assert twins.executed == ["first"]
     assert query.effort.expanded == 2
+
+
+class Refusing(Twins):
+    """Many actions that all seem to reach the goal, and X refuses each."""
+
+    def actions(self, state: str) -> list[tuple[str, str]]:
+        return [(f"try{i}", f"state{i}") for i in range(100)] if state == "start" else []
+
+    def execute(self, state: str, action: str) -> Rejection:
+        self.executed.append(action)
+        return Rejection("step")
+
+
+def test_an_attempt_ends_where_x_refuses_too_much_and_the_next_one_is_drawn_anew() -> None:
+    drawn: list[Refusing] = []
+
+    def subproblem(state: str, attempt: int, rng: object) -> Refusing:
+        drawn.append(Refusing())
+        return drawn[-1]
+
+    guide = SimpleNamespace(
+        atoms=lambda state: (state,),
+        values=lambda state: (int(state != "start"),),
+        fired=lambda before, after, state: "rule" if after == (1,) else None,
+        usable=lambda values: [0],
+        model=SimpleNamespace(rules=("rule",)),
+        hopeful=True,
+    )
+    limits = Limits(attempts=3, k_max=1, refusals=7, rejections=1000)
+    problem = SimpleNamespace(subproblem=subproblem)
+    rejections: list[Rejection] = []
+    rng = np.random.default_rng(0)
+    found = find_subgoal(eager, guide, problem, "start", limits, rng, Effort(), rejections)
+    assert found is None
+    assert [len(one.executed) for one in drawn] == [7, 7, 7]
+    limits = Limits(attempts=3, k_max=1, refusals=7, rejections=10)
+    drawn.clear()
+    assert find_subgoal(eager, guide, problem, "start", limits, rng, Effort(), []) is None
+    assert [len(one.executed) for one in drawn] == [7, 3]
