@@ -16,7 +16,6 @@ from runtime.reasons.rules import no_rule
 from runtime.reasons.width import Families, pruned
 from runtime.search.retrospect import Found, look_back
 from runtime.search.siw_r import End, Outcome
-from sketchlang.analysis.words import listed
 from sketchlang.model import SketchModel
 
 Finding = dict[str, Any]
@@ -129,14 +128,12 @@ def _refused(subgoal: Found, done: str) -> Finding:
     refusal = subgoal.refusal
     step = STEPS.get(refusal.step, refusal.step.replace("_", " "))
     what = "the goal" if subgoal.rule == "goal" else f"a subgoal of {subgoal.rule}"
-    by = f", with {listed(refusal.obstacles)} in the way" if refusal.obstacles else ""
-    text = f"{what} was seen (`{done}`), but {step}{by}"
+    text = f"{what} was seen (`{done}`), but {step}"
     return {
         "rule": subgoal.rule,
         "cause": "refused",
         "step": refusal.step,
         "object": refusal.about,
-        "obstacles": list(refusal.obstacles),
         "text": text,
         "actions": done,
     }

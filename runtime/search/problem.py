@@ -20,12 +20,11 @@ Motion = Any
 
 @dataclass(frozen=True)
 class Rejection:
-    """X's answer to an action that is not executable: the step of X that refused it, what it
-    was about, and what stood in the way, by name, where that is known."""
+    """X's answer to an action that is not executable: the step of X that refused it, and what it
+    was about."""
 
     step: str
     about: str | None = None
-    obstacles: tuple[str, ...] = ()
 
 
 class Subproblem(Protocol):
