@@ -7,7 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from domains.pddl.breadth import Breadth
 from domains.pddl.ground.task import GroundTask
+from domains.pddl.novelty import Atoms
 from domains.pddl.plan import plan_text, step_of
 from domains.pddl.replay import Verdict, replay
 from domains.pddl.show import by_predicate
@@ -79,8 +81,10 @@ class PddlReporting:
         return None
 
     def warm_up(self) -> None:
-        """Compile the kernel and make the tree of operators."""
-        self.generator.applicable(self.task.initial)
+        """Compile the kernels and make the arrays of operators."""
+        everything = Atoms((1 << self.task.layout.size) - 1, 0)
+        Breadth(self.generator, everything, 1, self.task.initial).grow(1)
+        next(self.generator.following(self.task.initial), None)
 
     def describe(self, actions: Sequence[Any]) -> str:
         """The actions as a plan has them."""

@@ -1,119 +1,32 @@
 """IW(k) over bits: what `runtime.search.iw` does, for states that are whole numbers.
 
-The novelty table for k = 1 is the set of atoms seen, for k = 2 a set for every atom: those that
-were seen together with it. An action makes nothing new but by what it adds, so only that is looked
-up; and features are computed of new states only.
+IW(1) and IW(2) run in a kernel, which goes ahead by some states; features are computed of new
+states only, and of them those that some rule says something about.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from itertools import combinations
-from typing import Any
 
+from domains.pddl.breadth import Breadth, table_rows
 from domains.pddl.features.evaluator import Evaluator
-from domains.pddl.features.rows import bits_of
 from domains.pddl.ground.task import GroundTask, Operator
+from domains.pddl.novelty import Atoms, Tuples, atoms_of
 from domains.pddl.state import State
 from domains.pddl.successors import Successors
+from runtime.search.guide import GOAL, Guide, Values
 from runtime.search.query import Query
+from sketchlang.model import Effect
 
 CHECKED_EVERY = 256
 """The clock is looked at after so many states."""
 
+AHEAD = 16, 1024
+"""The kernel goes ahead of the features by so many states: at first, and at most."""
 
-class Singles:
-    """Novelty of width 1: an atom that was never true."""
-
-    def __init__(self) -> None:
-        self.seen = 0
-
-    def is_new(self, before: int, after: int) -> bool:
-        """Whether a state has something new, if the one before it was added."""
-        return bool(after & ~self.seen)
-
-    def add(self, after: int) -> None:
-        """Remember a state."""
-        self.seen |= after
-
-
-class Pairs:
-    """Novelty of width 2: two atoms, or one, that were never true together."""
-
-    def __init__(self) -> None:
-        self.seen: dict[int, int] = {}
-
-    def is_new(self, before: int, after: int) -> bool:
-        """Whether a state has something new, if the one before it was added."""
-        seen = self.seen
-        return any(after & ~seen.get(bit, 0) for bit in bits_of(after & ~before))
-
-    def add(self, after: int) -> None:
-        """Remember a state."""
-        seen = self.seen
-        for bit in bits_of(after):
-            seen[bit] = seen.get(bit, 0) | after
-
-
-class Tuples:
-    """Novelty of any width k: k atoms that were never true together."""
-
-    def __init__(self, k: int) -> None:
-        self.k = k
-        self.seen: set[tuple[int, ...]] = set()
-
-    def is_new(self, before: int, after: int) -> bool:
-        """Whether a state has something new, if the one before it was added."""
-        fresh = set(bits_of(after & ~before))
-        return any(
-            not fresh.isdisjoint(found) and found not in self.seen
-            for size in range(1, self.k + 1)
-            for found in combinations(bits_of(after), size)
-        )
-
-    def add(self, after: int) -> None:
-        """Remember a state."""
-        atoms = list(bits_of(after))
-        for size in range(1, self.k + 1):
-            self.seen.update(combinations(atoms, size))
-
-
-Table = Singles | Pairs | Tuples
-
-
-def novelty_table(k: int) -> Table:
-    """An empty table."""
-    if k == 1:
-        return Singles()
-    return Pairs() if k == 2 else Tuples(k)
-
-
-class Atoms:
-    """The atoms that novelty is about, of a mask, and the negations of those among them that
-    some action asks to be false: for that action, becoming false is news as well."""
-
-    def __init__(self, mask: int, task: GroundTask) -> None:
-        negated = 0
-        for operator in task.operators:
-            negated |= operator.condition.false
-        for condition in task.goal:
-            negated |= condition.false
-        negated &= mask
-        size = task.layout.size
-
-        def with_negations(bits: int) -> int:
-            return bits & mask | (~bits & negated) << size
-
-        self.true: Callable[[int], int]
-        """What is true in a state."""
-        if negated:
-            self.true = with_negations
-        elif mask == (1 << size) - 1:
-            self.true = lambda bits: bits
-        else:
-            self.true = lambda bits: bits & mask
-
+LIKENESSES = 1000
+"""So many states are remembered for a failed search that differ in what rules speak of."""
 
 Found = tuple[list[tuple[Operator, tuple[()], State]], str]
 """The steps to a subgoal, and the rule that it satisfies."""
@@ -146,89 +59,159 @@ class PddlSubproblem:
         """
         if query.k == 1 and self.attempt:
             return None  # the same actions again, and the same result
-        task, applicable = self.task, self.generator.applicable
-        fired, values, before = query.guide.fired, query.guide.values, query.before
-        effort, check = query.effort, query.limits.check
+        atoms = atoms_of(query.guide.sketch.atoms, self.task)
+        look = Look(query, self.task)
+        quick = table_rows(self.generator, atoms, query.k) is not None
+        try:
+            found = (self._ahead if quick else self._one_by_one)(query, atoms, look)
+            look.found = found is not None
+        finally:
+            look.close()
+        return found
+
+    def _ahead(self, query: Query, atoms: Atoms, look: Look) -> Found | None:
+        """By the kernel, which runs ahead."""
+        check, effort = query.limits.check, query.effort
+        breadth = Breadth(self.generator, atoms, query.k, query.start.bits)
+        # The states one step away are looked at before others, where all of them count.
+        most = 1 if query.k == 1 else AHEAD[0]
+        try:
+            while breadth.head < breadth.tail:
+                begun = breadth.tail
+                for number, bits in enumerate(breadth.grow(most), begun):
+                    rule = look.rule(bits)
+                    if rule is not None:
+                        # Who goes ahead has done more than was needed: that does not count.
+                        before, _, breadth.tried = breadth.origin[number].tolist()
+                        breadth.head = before + 1
+                        return self._steps(breadth.path(number)), rule
+                check()
+                if most == 1:
+                    found = self._one_step(query, look)
+                    if found is not None:
+                        return found
+                most = min(max(AHEAD[0], most * 2), AHEAD[1])
+        finally:
+            effort.expanded += breadth.head
+            effort.generated += breadth.tried
+        return None
+
+    def _one_by_one(self, query: Query, atoms: Atoms, look: Look) -> Found | None:
+        """For any k: the plain way."""
+        check, effort = query.limits.check, query.effort
+        numbers, operators = self.generator.numbers, self.generator.operators
         start: int = query.start.bits
-        atoms = Atoms(atom_mask(query.guide.sketch.atoms, task), task)
-        true, table = atoms.true, novelty_table(query.k)
-        table.add(true(start))
-        is_new = table.is_new
-        origin: dict[int, tuple[int, Operator]] = {}
-        stale: dict[int, Operator] = {}
+        table = Tuples(query.k)
+        table.add(atoms.literals(start), atoms.literals(start))
+        origin: dict[int, tuple[int, int]] = {}
         queue = [start]
-        looked = 0
         for bits in queue:
             effort.expanded += 1
-            known = true(bits)
-            first = bits == start and query.k == 1
-            for operator in applicable(bits):
-                looked += 1
-                if not looked % CHECKED_EVERY:
+            known = atoms.literals(bits)
+            for number in numbers(bits):
+                effort.generated += 1
+                if not effort.generated % CHECKED_EVERY:
                     check()
-                after = operator.apply(bits)
-                now = true(after)
-                if not is_new(known, now):
-                    if first and after != bits:
-                        stale.setdefault(after, operator)
+                after = operators[number].apply(bits)
+                now = atoms.literals(after)
+                if not table.add(now, now - known):
                     continue
-                state = State(after, task)
-                rule = fired(before, values(state), state)
+                origin[after] = bits, number
+                rule = look.rule(after)
                 if rule is not None:
-                    effort.generated += looked
-                    origin.setdefault(after, (bits, operator))
-                    return self._steps(origin, start, after), rule
-                table.add(now)
-                if after not in origin:
-                    queue.append(after)
-                    origin[after] = (bits, operator)
-            effort.generated += looked
-            looked = 0
-            if first:
-                found = self._one_step(query, stale)
-                if found is not None:
-                    return found
+                    path = []
+                    while after != start:
+                        before, number = origin[after]
+                        path.append((number, after))
+                        after = before
+                    return self._steps(path[::-1]), rule
+                queue.append(after)
         return None
 
-    def _one_step(self, query: Query, stale: dict[int, Operator]) -> Found | None:
-        """A subgoal among states one step away that have nothing new. Of those that features
-        cannot tell from each other, one is looked at."""
-        evaluate = query.guide.sketch.evaluate
-        mask = -1
-        if isinstance(evaluate, Evaluator):
-            mask = evaluate.looks_at(self.task) | self.task.goal_mask
-        alike: dict[int, tuple[int, Operator]] = {}
-        for bits, operator in stale.items():
-            alike.setdefault(bits & mask, (bits, operator))
-        for number, (bits, operator) in enumerate(alike.values(), 1):
-            if not number % CHECKED_EVERY:
-                query.limits.check()
-            state = State(bits, self.task)
-            rule = query.guide.fired(query.before, query.guide.values(state), state)
+    def _one_step(self, query: Query, look: Look) -> Found | None:
+        """A subgoal among the states one step away. Of those that features cannot tell from each
+        other, one is looked at."""
+        start: int = query.start.bits
+        for number, bits in self._alike(start, look.mask):
+            if bits == start:
+                continue
+            rule = look.rule(bits)
             if rule is not None:
-                return [(operator, (), state)], rule
+                return self._steps([(number, bits)]), rule
+            query.limits.check()
         return None
 
-    def _steps(
-        self, origin: dict[int, tuple[int, Operator]], start: int, end: int
-    ) -> list[tuple[Operator, tuple[()], State]]:
-        steps = []
-        while end != start:
-            before, operator = origin[end]
-            steps.append((operator, (), State(end, self.task)))
-            end = before
-        return steps[::-1]
+    def _alike(self, bits: int, mask: int) -> Iterator[tuple[int, int]]:
+        """Operators and the states after them, the first of all that agree in a mask."""
+        import numpy as np
+
+        generator = self.generator
+        words = generator.words(mask & (1 << self.task.layout.size) - 1)
+        seen: set[int] = set()
+        for numbers, after in generator.following(bits):
+            rows = np.ascontiguousarray(after & words).view(f"V{generator.width * 8}").ravel()
+            _, firsts = np.unique(rows, return_index=True)
+            firsts.sort()
+            for place, whole in zip(firsts.tolist(), generator.whole(after[firsts]), strict=True):
+                if whole & mask not in seen:
+                    seen.add(whole & mask)
+                    yield numbers[place], whole
+
+    def _steps(self, path: list[tuple[int, int]]) -> list[tuple[Operator, tuple[()], State]]:
+        operators, task = self.generator.operators, self.task
+        return [(operators[number], (), State(bits, task)) for number, bits in path]
 
 
-def atom_mask(families: tuple[Callable[[State], Iterable[Any]], ...], task: GroundTask) -> int:
-    """The bits of the atoms that novelty is about: what the families list of a state in which
-    everything is true."""
-    found: int | None = task.memory.get(families)
-    if found is None:
-        full = State((1 << task.layout.size) - 1, task)
-        found = 0
-        for family in families:
-            for bit in family(full):
-                found |= 1 << bit
-        task.memory[families] = found
-    return found
+class Look:
+    """Looks at states of a search: which rule leads there from its start.
+
+    Where features are compiled, only those are computed that an applicable rule restricts: what
+    is `?` in all of them does not matter. `mask` has the bits of a state that were looked at.
+    """
+
+    def __init__(self, query: Query, task: GroundTask) -> None:
+        self.guide: Guide = query.guide
+        self.before, self.task = query.before, task
+        self.found = False
+        self.mask = -1
+        self._values: Callable[[int], Values] | None = None
+        self._rules: dict[Values, str | None] = {}
+        self._like: dict[Values, int] = {}
+        self._count = 0
+        sketch = self.guide.sketch
+        if isinstance(sketch.evaluate, Evaluator) and sketch.goal_test is not None:
+            wanted = {
+                feature
+                for rule in self.guide.model.rules
+                if rule.applies(query.before)
+                for feature in range(len(query.before))
+                if rule.effects.get(feature) is not Effect.ANY
+            }
+            part = sketch.evaluate.part(task, frozenset(wanted), query.before)
+            self._values, self.mask = part.values, part.mask | task.goal_mask
+
+    def rule(self, bits: int) -> str | None:
+        """The rule that a state satisfies, or `GOAL`; None where it is no subgoal."""
+        self._count += 1
+        if self._values is None:
+            state = State(bits, self.task)
+            return self.guide.fired(self.before, self.guide.values(state), state)
+        values = self._values(bits)
+        try:
+            rule = self._rules[values]
+        except KeyError:
+            rule = self._rules[values] = self.guide.rule(self.before, values)
+            self._like[values] = bits
+        if rule is None and self.task.is_goal(bits):
+            self.guide.hopeful = True
+            return GOAL
+        return rule
+
+    def close(self) -> None:
+        """Let the guide know what was seen, for those who ask why nothing was found."""
+        if self.found or self._values is None:
+            return
+        like = list(self._like.values())[:LIKENESSES]
+        for bits in like:
+            self.guide.values(State(bits, self.task))
+        self.guide.others += self._count - len(like)

@@ -7,6 +7,7 @@ first. What a state does not have cuts off all that lies below.
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -20,6 +21,9 @@ if TYPE_CHECKING:
 
 WORD = 64
 """Bits of a word of a state."""
+
+PORTION = 4096
+"""So many successors of a state are made at once."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,15 +74,44 @@ def make_tree(operators: tuple[Operator, ...]) -> Tree:
     return Tree(*(np.array(part, np.int64) for part in (bit, skip, start, listed)))
 
 
+@dataclass(frozen=True, eq=False)
+class Changes:
+    """What operators do, in arrays: row i is operator i, and the rows after them are conditional
+    changes, those of operator i at `conditional[i]` to `conditional[i + 1]`. List j of row r is
+    `bits[first[4 r + j]:first[4 r + j + 1]]`: what has to be true (left out of operators, whose
+    tree knows it) and false, what becomes true and false."""
+
+    first: NDArray[np.int64]
+    bits: NDArray[np.int64]
+    conditional: NDArray[np.int64]
+
+
+def make_changes(operators: tuple[Operator, ...]) -> Changes:
+    """The changes of some operators, whose numbers are their places."""
+    import numpy as np
+
+    rows = [(0, op.condition.false, op.change.adds, op.change.deletes) for op in operators]
+    conditional = [len(rows)]
+    for operator in operators:
+        rows += [
+            (condition.true, condition.false, change.adds, change.deletes)
+            for condition, change in operator.conditional
+        ]
+        conditional.append(len(rows))
+    first, bits = [0], list[int]()
+    for row in rows:
+        for mask in row:
+            bits += bits_of(mask)
+            first.append(len(bits))
+    return Changes(*(np.array(part, np.int64) for part in (first, bits, conditional)))
+
+
 class Successors:
     """The operators of a task that apply in a state, in a fixed order."""
 
     def __init__(self, task: GroundTask) -> None:
         self.operators = task.operators
         self.width = max(1, -(-task.layout.size // WORD))
-        self._checked = tuple(
-            number for number, op in enumerate(task.operators) if op.condition.false
-        )
 
     @cached_property
     def tree(self) -> Tree:
@@ -86,7 +119,13 @@ class Successors:
         return make_tree(self.operators)
 
     @cached_property
-    def _room(self) -> NDArray[np.int64]:
+    def changes(self) -> Changes:
+        """What the operators do."""
+        return make_changes(self.operators)
+
+    @cached_property
+    def room(self) -> NDArray[np.int64]:
+        """A place for the number of every operator."""
         import numpy as np
 
         return np.empty(len(self.operators), np.int64)
@@ -95,20 +134,44 @@ class Successors:
         """A state as an array of words."""
         import numpy as np
 
-        return np.frombuffer(bits.to_bytes(self.width * 8, "little"), np.uint64)
+        return np.frombuffer(bits.to_bytes(self.width * 8, "little"), np.uint64).copy()
+
+    def whole(self, words: NDArray[np.uint64]) -> list[int]:
+        """States as whole numbers; one a row."""
+        data, size = words.tobytes(), self.width * 8
+        number = int.from_bytes
+        return [number(data[at : at + size], "little") for at in range(0, len(data), size)]
+
+    def following(self, bits: int) -> Iterator[tuple[list[int], NDArray[np.uint64]]]:
+        """The operators that apply in a state, by their numbers, and the states after them, in
+        portions."""
+        import numpy as np
+
+        from domains.pddl.kernels import follow_all
+
+        changes, before = self.changes, self.words(bits)
+        numbers = self.numbers(bits)
+        for start in range(0, len(numbers), PORTION):
+            chosen = numbers[start : start + PORTION]
+            after = np.empty((len(chosen), self.width), np.uint64)
+            follow_all(
+                before, np.array(chosen, np.int64), changes.first, changes.bits,
+                changes.conditional, after,
+            )  # fmt: skip
+            yield chosen, after
+
+    def numbers(self, bits: int) -> list[int]:
+        """The numbers of the operators whose precondition a state satisfies."""
+        from domains.pddl.kernels import applicable
+
+        tree, operators = self.tree, self.operators
+        found = applicable(
+            self.words(bits), tree.bit, tree.skip, tree.start, tree.operators, self.room
+        )
+        numbers = self.room[:found].tolist()
+        return [number for number in numbers if not bits & operators[number].condition.false]
 
     def applicable(self, bits: int) -> list[Operator]:
         """The operators whose precondition a state satisfies."""
-        from domains.pddl.kernels import applicable
-
-        tree = self.tree
-        found = applicable(
-            self.words(bits), tree.bit, tree.skip, tree.start, tree.operators, self._room
-        )
         operators = self.operators
-        numbers = self._room[:found].tolist()
-        if not self._checked:
-            return [operators[number] for number in numbers]
-        return [
-            operators[number] for number in numbers if not bits & operators[number].condition.false
-        ]
+        return [operators[number] for number in self.numbers(bits)]

@@ -55,6 +55,9 @@ class Guide:
         self._values: dict[Hashable, tuple[Values, State]] = {}
         self._key = _looked_at(sketch.ignores)
         self._doubts = DOUBTED if sketch.ignores else 0
+        self.others = 0
+        """So many states of this subproblem were looked at and not remembered: they differ from
+        one that is remembered only in features that may be anything."""
         self.hopeful = False
         """Whether some state of this subproblem was a subgoal, whatever X said of it."""
 
@@ -79,11 +82,12 @@ class Guide:
     @property
     def known(self) -> int:
         """How many states are remembered, those apart that features cannot tell apart."""
-        return len(self._values)
+        return len(self._values) + self.others
 
     def forget(self) -> None:
         """Drop remembered values: states of a finished subproblem do not come back."""
         self._values.clear()
+        self.others = 0
         self.hopeful = False
 
     def atoms(self, state: State) -> tuple[Hashable, ...]:
@@ -103,14 +107,21 @@ class Guide:
     def fired(self, before: Values, after: Values, state: State) -> str | None:
         """The rule that a pair of states satisfies, the second of which is `state`; `GOAL` for a
         goal state, else None."""
-        for rule in self.model.rules:
-            if rule.satisfied_by(before, after):
-                self.hopeful = True
-                return rule.name
+        name = self.rule(before, after)
+        if name is not None:
+            return name
         if not self.is_goal(after, state):
             return None
         self.hopeful = True
         return GOAL
+
+    def rule(self, before: Values, after: Values) -> str | None:
+        """The rule that a pair of feature values satisfies."""
+        for rule in self.model.rules:
+            if rule.satisfied_by(before, after):
+                self.hopeful = True
+                return rule.name
+        return None
 
     def usable(self, values: Values) -> list[int]:
         """The rules whose conditions hold and whose effects can happen: a nat that is 0 does not

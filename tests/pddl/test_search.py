@@ -8,7 +8,9 @@ from typing import Any
 
 import pytest
 
+from domains.pddl.breadth import Breadth
 from domains.pddl.ground.task import GroundTask, ground
+from domains.pddl.novelty import Tuples, atoms_of
 from domains.pddl.problem import PddlProblem
 from domains.pddl.search import PddlSubproblem
 from domains.pddl.state import State, atom_texts
@@ -86,3 +88,34 @@ def test_a_state_one_step_away_is_found_whether_it_has_anything_new_or_not() -> 
             assert rule == "r"
             assert steps[-1][2] == after
             assert len(steps) == 1, operator
+
+
+@pytest.mark.parametrize("k", [1, 2])
+def test_the_kernel_keeps_the_states_that_the_plain_way_keeps(k: int) -> None:
+    """In the same order, each with the same operator and as many tried."""
+    for seed in range(40):
+        problem = PddlProblem(ground(task_of(seed)))
+        task, generator = problem.task, problem.generator
+        atoms = atoms_of((everything,), task)
+        breadth = Breadth(generator, atoms, k, task.initial)
+        found: list[int] = []
+        while breadth.head < breadth.tail:
+            found += breadth.grow(1 + seed % 7)
+        table, queue, tried = Tuples(k), [task.initial], 0
+        table.add(atoms.literals(task.initial), atoms.literals(task.initial))
+        for place, bits in enumerate(queue):
+            for number in generator.numbers(bits):
+                tried += 1
+                after = generator.operators[number].apply(bits)
+                now = atoms.literals(after)
+                if table.add(now, now - atoms.literals(bits)):
+                    assert breadth.origin[len(queue)].tolist() == [place, number, tried]
+                    queue.append(after)
+        assert found == queue[1:]
+        assert breadth.tried == tried
+        for number in range(1, len(queue)):
+            bits = task.initial
+            for operator, after in breadth.path(number):
+                bits = generator.operators[operator].apply(bits)
+                assert bits == after
+            assert bits == queue[number]

@@ -7,7 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from domains.pddl.search import Look
+from runtime.search.guide import Guide
 from runtime.search.limits import Limits
+from runtime.search.query import Query
 from runtime.solve import solve
 from sketchlang.analysis.termination import Terminating, decide_termination
 from sketchlang.cli.check import findings
@@ -51,6 +54,14 @@ def test_sketch(name: str, tmp_path: Path) -> None:
     states = [problem.initial, *(state for s in outcome.subgoals for state in s.states)]
     for state in states:
         assert sketch.model.is_goal(sketch.evaluate(state)) == problem.task.is_goal(state.bits)
+    guide = Guide(sketch)
+    for state in states:
+        # Only features that matter are computed, and the rules are the same.
+        before = guide.values(state)
+        query = Query(guide, None, state, before, 1, Limits())  # type: ignore[arg-type]
+        look = Look(query, problem.task)
+        for _, after in problem.successors(state)[:50]:
+            assert look.rule(after.bits) == guide.fired(before, guide.values(after), after)
     plain = compile_sketch(loaded.checked, plain=True)
     for state in states[:10]:
         assert plain.evaluate(state) == sketch.evaluate(state)

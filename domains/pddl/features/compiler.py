@@ -16,7 +16,14 @@ from typing import Any
 from domains.pddl.features import quantifiers, relations, rows
 from domains.pddl.features.called import function_of
 from domains.pddl.features.rows import Mask, Rows, bits_of
-from domains.pddl.features.sources import Changing, Source, source
+from domains.pddl.features.sources import (
+    Changing,
+    Fixed,
+    Source,
+    WantedRows,
+    source,
+    wanted_rows,
+)
 from domains.pddl.ground.task import GroundTask
 from sketchlang.checking.typed import BINDERS, MANY, ONE, OPEN, QUANTIFIERS, Node
 from sketchlang.domain import Function
@@ -92,11 +99,33 @@ class Compiler:
             self.sources[key] = source(self.task, *key)
         return self.sources[key]
 
+    def row_source(self, node: Node) -> Source | None:
+        """The predicate `p` of `p(x, _)`; None for other nodes."""
+        if node.kind != "image" or len(node.parts) != 1 or node.value[1] != (ONE, OPEN):  # type: ignore[index]
+            return None
+        function = function_of(node)
+        assert function is not None
+        return self.source(self.meanings[function])
+
+    def wanted_rows(self, node: Node) -> WantedRows | None:
+        """The atoms that `p(x, _) <= q(x, _)` asks for, where `p` never changes and `q` does."""
+        if node.kind != "subset" or node.parts[0].parts != node.parts[1].parts:
+            return None
+        first, second = (self.row_source(part) for part in node.parts)
+        if isinstance(first, Fixed) and isinstance(second, Changing):
+            return wanted_rows(first, second)
+        return None
+
     def depends(self, node: Node) -> Mask:
         """The bits of a state that an expression looks at."""
         found = self.masks.get(node)
         if found is None:
             found = 0
+            wanted = self.wanted_rows(node)
+            if wanted is not None:
+                # What the argument depends on, and of `q` not all.
+                found = self.masks[node] = wanted.mask | self.depends(node.parts[0].parts[0])
+                return found
             for part in node.parts:
                 found |= self.depends(part)
             if node.kind == "feature":

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 from domains.pddl.features.compiler import MEMORY, Compiler, Meaning, Run
@@ -13,7 +14,7 @@ from sketchlang.checking.typed import BINDERS, Node
 from sketchlang.compile.errors import EvaluationError
 from sketchlang.compile.invariants import truth
 from sketchlang.domain import Function
-from sketchlang.model import Kind
+from sketchlang.model import And, Formula, Kind, Literal, Not, Or, SketchModel
 
 Values = tuple[int, ...]
 
@@ -30,22 +31,105 @@ class Evaluator:
     ) -> None:
         self.checked, self.meanings, self.sorts = checked, meanings, sorts
         self._task: GroundTask | None = None
-        self._compiled: tuple[Callable[[int], Values], int] | None = None
+        self._compiled: tuple[Features, Part] | None = None
 
     def __call__(self, state: State) -> Values:
         """Feature values of a state."""
-        return self._of(state.task)[0](state.bits)
+        return self._of(state.task)[1].values(state.bits)
 
-    def looks_at(self, task: GroundTask) -> int:
-        """The bits of a state that feature values depend on."""
-        return self._of(task)[1]
+    def part(self, task: GroundTask, wanted: frozenset[int], otherwise: Values) -> Part:
+        """Some features of a task; see `Features.part`."""
+        return self._of(task)[0].part(wanted, otherwise)
 
-    def _of(self, task: GroundTask) -> tuple[Callable[[int], Values], int]:
+    def _of(self, task: GroundTask) -> tuple[Features, Part]:
         compiled = self._compiled
         if compiled is None or task is not self._task:
-            compiled = of_task(self.checked, task, self.meanings, self.sorts)
-            self._task, self._compiled = task, compiled
+            features = of_task(self.checked, task, self.meanings, self.sorts)
+            everything = features.part(frozenset(features.steps), (0,) * len(features.steps))
+            self._task, self._compiled = task, (features, everything)
+            return self._compiled
         return compiled
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """Some features of a task: their values by the bits of a state, and the bits looked at."""
+
+    values: Callable[[int], Values]
+    mask: int
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """How a feature is computed: its place in a frame, the bits of a state that it looks at, its
+    values so far by these bits, and the features that it is made of."""
+
+    slot: int
+    mask: int
+    kept: dict[int, int]
+    run: Run
+    uses: frozenset[int]
+
+
+@dataclass(frozen=True, eq=False)
+class Features:
+    """The features of a sketch, compiled for a task, in an order in which each comes after those
+    that it is made of. `first` is the place of the first of them in a frame."""
+
+    task: GroundTask
+    model: SketchModel
+    steps: Mapping[int, Step]
+    first: int
+
+    def part(self, wanted: frozenset[int], otherwise: Values) -> Part:
+        """The values of some features, of those that these are made of, and of those that
+        invariants speak of; for the others, `otherwise` has them.
+
+        Values are kept by the bits that features look at, all together and one by one: what an
+        action does not touch is not computed again.
+        """
+        model, task, first = self.model, self.task, self.first
+        wanted |= {literal for i in model.invariants for literal in _spoken_of(i.formula)}
+        for index, step in reversed(list(self.steps.items())):
+            if index in wanted:
+                wanted |= step.uses
+        steps = [(s.slot, s.mask, s.kept, s.run) for i, s in self.steps.items() if i in wanted]
+        everything = 0
+        for _, mask, _, _ in steps:
+            everything |= mask
+        memory: dict[int, Values] = {}
+        invariants = [(truth(invariant.formula), invariant.text) for invariant in model.invariants]
+        start = [*[0] * first, *otherwise]
+
+        def evaluate(bits: int) -> Values:
+            key = bits & everything
+            found = memory.get(key)
+            if found is not None:
+                return found
+            frame: list[Any] = start[:]
+            frame[0] = bits
+            for slot, mask, kept, run in steps:
+                part = bits & mask
+                value = kept.get(part)
+                if value is None:
+                    if len(kept) > MEMORY:
+                        kept.clear()
+                    value = kept[part] = run(frame)
+                frame[slot] = value
+            values = tuple(frame[first:])
+            for holds, text in invariants:
+                if not holds(values):
+                    listed = ", ".join(
+                        f"{f.name} = {v}" for f, v in zip(model.features, values, strict=True)
+                    )
+                    message = f"the invariant does not hold: {listed}"
+                    raise EvaluationError(message, expression=text, state=State(bits, task))
+            if len(memory) > MEMORY:
+                memory.clear()
+            memory[key] = values
+            return values
+
+        return Part(evaluate, everything)
 
 
 def of_task(
@@ -53,62 +137,44 @@ def of_task(
     task: GroundTask,
     meanings: Mapping[Function, Meaning],
     sorts: Mapping[str, str],
-) -> tuple[Callable[[int], Values], int]:
-    """The function from the bits of a task's states to feature values, and the bits it looks at.
-
-    Values are kept by the bits that features look at, all together and one by one: what an
-    action does not touch is not computed again.
-    """
+) -> Features:
+    """The features of a sketch, compiled for a task."""
     model = checked.model
     definitions = [node for node in checked.definitions if node is not None]
     depth = 1 + max((_levels(node) for node in definitions), default=0)
     first = 1 + depth
     masks: dict[int, int] = {}
     compiler = Compiler(task, meanings, sorts, first, masks)
-    steps: list[tuple[int, int, dict[int, int], Run]] = []
+    steps: dict[int, Step] = {}
     for index in checked.order:
         node = definitions[index]
         run = compiler.run(node)
         if model.features[index].kind is Kind.BOOL:
             run = _as_number(run)
         masks[index] = compiler.depends(node)
-        steps.append((first + index, masks[index], {}, run))
-    everything = 0
-    for mask in masks.values():
-        everything |= mask
-    memory: dict[int, Values] = {}
-    invariants = [(truth(invariant.formula), invariant.text) for invariant in model.invariants]
-    size = first + len(definitions)
+        steps[index] = Step(first + index, masks[index], {}, run, frozenset(_features(node)))
+    return Features(task, model, steps, first)
 
-    def evaluate(bits: int) -> Values:
-        key = bits & everything
-        found = memory.get(key)
-        if found is not None:
-            return found
-        frame: list[Any] = [0] * size
-        frame[0] = bits
-        for slot, mask, kept, run in steps:
-            part = bits & mask
-            value = kept.get(part)
-            if value is None:
-                if len(kept) > MEMORY:
-                    kept.clear()
-                value = kept[part] = run(frame)
-            frame[slot] = value
-        values = tuple(frame[first:])
-        for holds, text in invariants:
-            if not holds(values):
-                listed = ", ".join(
-                    f"{f.name} = {v}" for f, v in zip(model.features, values, strict=True)
-                )
-                message = f"the invariant does not hold: {listed}"
-                raise EvaluationError(message, expression=text, state=State(bits, task))
-        if len(memory) > MEMORY:
-            memory.clear()
-        memory[key] = values
-        return values
 
-    return evaluate, everything
+def _spoken_of(formula: Formula) -> Iterator[int]:
+    """The features in a formula."""
+    match formula:
+        case Literal(feature, _):
+            yield feature
+        case Not(operand):
+            yield from _spoken_of(operand)
+        case And(operands) | Or(operands):
+            for operand in operands:
+                yield from _spoken_of(operand)
+
+
+def _features(node: Node) -> Iterator[int]:
+    """The features that an expression names."""
+    if node.kind == "feature":
+        assert isinstance(node.value, int)
+        yield node.value
+    for part in node.parts:
+        yield from _features(part)
 
 
 def _as_number(run: Run) -> Run:

@@ -11,7 +11,7 @@ from sketchlang.checking.typed import ONE, OPEN, Node
 
 if TYPE_CHECKING:
     from domains.pddl.features.compiler import Compiler, Frame, Run
-    from domains.pddl.features.sources import Source
+    from domains.pddl.features.sources import WantedRows
 
 
 def compiled(compiler: Compiler, node: Node) -> Run:
@@ -170,8 +170,14 @@ def _of_predicate(compiler: Compiler, node: Node, level: int) -> Run | None:
 
 
 def _of_rows(compiler: Compiler, node: Node, level: int) -> Run | None:
-    """`p(x, _) <= q(x, _)`, what most goals are about: only the rows of `p` are looked at."""
-    first, second = (_row_source(compiler, part, level) for part in node.parts)
+    """`p(x, _) <= q(x, _)`, what most goals are about: only the rows of `p` are looked at, and
+    only atoms that are missing where `p` never changes."""
+    if not all(_is(argument, level) for part in node.parts for argument in part.parts):
+        return None
+    wanted = compiler.wanted_rows(node)
+    if wanted is not None:
+        return _wanted_rows(wanted)
+    first, second = (compiler.row_source(part) for part in node.parts)
     if first is None or second is None:
         return None
     rows, last = first.rows, second.last
@@ -186,14 +192,18 @@ def _of_rows(compiler: Compiler, node: Node, level: int) -> Run | None:
     return run
 
 
-def _row_source(compiler: Compiler, node: Node, level: int) -> Source | None:
-    """The predicate `p` of `p(x, _)`, where `x` is the variable of a level; None for others."""
-    if node.kind != "image" or len(node.parts) != 1 or not _is(node.parts[0], level):
-        return None
-    function = function_of(node)
-    assert function is not None
-    pattern = node.value[1]  # type: ignore[index]
-    return compiler.source(compiler.meanings[function]) if pattern == (ONE, OPEN) else None
+def _wanted_rows(wanted: WantedRows) -> Run:
+    never, mask, owners = wanted.never, wanted.mask, wanted.owners
+
+    def run(frame: Frame) -> Mask:
+        missing, broken = mask & ~frame[0], never
+        while missing:
+            low = missing & -missing
+            broken |= owners[low]
+            missing ^= low
+        return ~broken
+
+    return run
 
 
 def _is(node: Node, level: int) -> bool:

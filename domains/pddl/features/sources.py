@@ -99,6 +99,31 @@ class Fixed:
 Source = Changing | Fixed
 
 
+@dataclass(frozen=True)
+class WantedRows:
+    """The atoms `q(x, y)` for all `p(x, y)` of a `p` that never changes: their bits, of which
+    `owners` tells the set of the one `x` for each. `never` is the set of the x that want an atom
+    which can never be true."""
+
+    never: Mask
+    mask: Mask
+    owners: dict[Mask, Mask]
+
+
+def wanted_rows(first: Fixed, second: Changing) -> WantedRows:
+    """What `p(x, _) <= q(x, _)` asks for."""
+    never = mask = 0
+    owners: dict[Mask, Mask] = {}
+    for values in first.atoms:
+        place = second.box.bit(values)
+        if place is None:
+            never |= 1 << values[0]
+        else:
+            owners[1 << place] = 1 << values[0]
+            mask |= 1 << place
+    return WantedRows(never, mask, owners)
+
+
 def source(task: GroundTask, predicate: str, goal: bool) -> Source:
     """The bits of a predicate in states of a task, or of what its goal says."""
     if goal:
