@@ -62,6 +62,21 @@ def held(state: State, o: Object) -> bool:
 
 
 @domain.function(ignores="base")
+def wanted_held(state: State, o: Object) -> bool:
+    """Whether the scene wants an object in the gripper at the end."""
+    return o in state.world.wanted_held
+
+
+@domain.function(ignores="base")
+def bars(state: State, o: Object) -> Nat:
+    """What is to be taken away before o can be picked up: the number of objects in the way, and
+    of those in the way of these; 0 for the object in the gripper."""
+    from domains.tabletop.features import functions
+
+    return functions.bars(state, o)
+
+
+@domain.function(ignores="base")
 def misplaced(state: State, o: Object) -> bool:
     """Whether an object stands outside its goal, or is held and its goal is blocked."""
     from domains.tabletop.features import functions

@@ -11,6 +11,8 @@ import numpy as np
 from domains.tabletop.state import PINCH, SIDE, TOP
 from runtime.robot.approach import Family
 from runtime.robot.model import RobotModel
+from runtime.robot.open_hand import finger_boxes
+from runtime.robot.sweeps import drawn_out
 from runtime.world.poses import Floats
 
 PLAY = 0.003
@@ -18,6 +20,9 @@ PLAY = 0.003
 
 SIDEWAYS = 0.02
 """Metres added on both sides of hand and arm: where less is left, few postures come through."""
+
+CLOSING = 6
+"""Openings at which fingers that always open fully are looked at while they close."""
 
 FAMILY = {SIDE: Family.SIDE, TOP: Family.TOP, PINCH: Family.PINCH}
 
@@ -44,8 +49,7 @@ class Hand:
     @cached_property
     def finger_width(self) -> float:
         """Metres beside what is gripped that a finger needs, its play included."""
-        rows = self.sweeps[TOP]
-        return float(rows[rows[:, 6] == 1.0, 3].max())
+        return float(_outwards(self.robot, TOP).max())
 
     def workspace(self, family: int, height: float) -> tuple[float, float, float] | None:
         """Where the wrist has to be for a grasp centre at a height above the floor: how far
@@ -72,17 +76,42 @@ def hand_of(robot: RobotModel) -> Hand:
     )
 
 
+def _outwards(robot: RobotModel, family: int) -> Floats:
+    """Metres (f,) that each box of an open finger reaches outwards from the face of what is
+    gripped, or from its middle where the gripper always opens fully."""
+    fingers, gripper = robot.approach(FAMILY[family]).fingers, robot.gripper
+    beside = gripper.max_opening / 2 if gripper.opens_fully else gripper.clearance
+    reach: Floats = fingers[:, (4 if family == PINCH else 2) + 1] + beside + PLAY
+    return reach
+
+
 def _volumes(robot: RobotModel, family: int) -> Floats:
     """The volumes (v, 7) of a family: the fingers with all that is between them, then hand and
     arm."""
     approach = robot.approach(FAMILY[family])
     wide = 4 if family == PINCH else 2
-    fingers = approach.fingers.copy()
-    outwards = fingers[:, wide + 1] + robot.gripper.clearance + PLAY
+    if robot.gripper.opens_fully:
+        fingers = _closing(robot, family)
+        axis = np.zeros((len(fingers), 1))  # whatever the width of what is taken
+        outwards = fingers[:, wide + 1] + PLAY
+    else:
+        fingers = approach.fingers.copy()
+        axis = np.full((len(fingers), 1), 2.0 if family == PINCH else 1.0)
+        outwards = _outwards(robot, family)
     fingers[:, wide], fingers[:, wide + 1] = -outwards, outwards
-    axis = np.full((len(fingers), 1), 2.0 if family == PINCH else 1.0)
     rest = approach.hand_and_arm.copy()
     rest[:, 2] -= SIDEWAYS
     rest[:, 3] += SIDEWAYS
     rows: Floats = np.unique(np.hstack([fingers, axis]), axis=0)
     return np.vstack([rows, np.hstack([rest, np.zeros((len(rest), 1))])])
+
+
+def _closing(robot: RobotModel, family: int) -> Floats:
+    """Boxes (f, 6) of the fingers that come in wide open and then close."""
+    gripper, direction = robot.gripper, FAMILY[family]
+    open_wide = finger_boxes(robot, direction, gripper.max_opening)
+    closing = [
+        finger_boxes(robot, direction, opening)
+        for opening in np.linspace(gripper.min_opening, gripper.max_opening, CLOSING).tolist()
+    ]
+    return np.vstack([drawn_out(open_wide, direction), *closing])

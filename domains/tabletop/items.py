@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from domains.tabletop.hand import Hand
-from domains.tabletop.outlines import FRICTION, Slab, around
+from domains.tabletop.outlines import FRICTION, Slab, around, room_within
 from domains.tabletop.rims import PALM_AIR, outermost, rim_of
 from domains.tabletop.state import PINCH, SIDE, TOP, UNIT, Grasp
 from runtime.world.body import Body, Part
@@ -103,9 +103,17 @@ class Item:
         return x, y, z
 
     @property
+    def is_box(self) -> bool:
+        """Whether it is nothing but an upright box."""
+        return len(self.parts) == 1 and isinstance(self.parts[0].solid, Box)
+
+    @cached_property
     def inner_radius(self) -> float:
-        """Radius of an upright cylinder that is inside, or nearly so, metres."""
-        return min(self.size[0], self.size[1]) / 2
+        """Radius of an upright cylinder about the middle that the object, seen from above, fills,
+        or nearly so, metres; 0 where its middle is outside of it, as that of a triangle is."""
+        if self.is_box:
+            return min(self.size[0], self.size[1]) / 2
+        return max(0.0, *(room_within(outline) for outline in self.section(0.0, self.size[2])))
 
     @cached_property
     def outer_radius(self) -> float:
@@ -211,18 +219,22 @@ class Item:
         return self._known_grips[family]
 
     def _by_its_rim(self, hand: Hand) -> bool:
-        """Whether from above only a rim of the object fits between the fingers."""
+        """Whether from above a rim of the object, or a knob on it, fits between the fingers along
+        more headings than all of it does."""
         known = self._known_grips
         if -1 not in known:
-            gripped = self._gripped(hand, TOP) if len(self.parts) > 1 else None
-            angles = np.concatenate([self.sides, np.arange(24.0) * math.pi / 12])
-            whole = gripped is None or self._across(hand, TOP, angles, *gripped).fits.any()
-            rim = None if whole and gripped is not None else rim_of(self.parts, self.size[2], hand)
-            found = None
-            if rim is not None and len(self.parts) > 1:
-                outlines = self.section(rim - hand.tip, self.size[2])
-                found = (rim, outlines) if outlines else None
-            known[-1] = found
+            known[-1] = None
+            rim = rim_of(self.parts, self.size[2], hand) if len(self.parts) > 1 else None
+            outlines = [] if rim is None else self.section(rim - hand.tip, self.size[2])
+            if rim is not None and outlines:
+                known[-1] = (rim, outlines)
+                gripped = self._gripped(hand, TOP)
+                angles = np.concatenate([self.sides, np.arange(24.0) * math.pi / 12])
+                whole = 0
+                if gripped is not None:
+                    whole = int(self._across(hand, TOP, angles, *gripped).fits.sum())
+                if whole and whole >= int(self._rim_holds(hand, angles).fits.sum()):
+                    known[-1] = None
         return known[-1] is not None
 
     def _rim_holds(self, hand: Hand, angles: Floats) -> Hold:

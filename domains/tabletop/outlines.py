@@ -39,6 +39,15 @@ def around(points: Floats) -> Floats:
     return np.array(half(rows) + half(rows[::-1])).reshape(-1, 2)
 
 
+def room_within(outline: Floats) -> float:
+    """How far the origin is from the nearest side of a convex outline (n, 2) that it is in,
+    counter-clockwise; negative where it is outside."""
+    along = np.roll(outline, -1, axis=0) - outline
+    lengths = np.hypot(along[:, 0], along[:, 1])
+    inside = (along[:, 1] * outline[:, 0] - along[:, 0] * outline[:, 1]) / lengths
+    return float(inside.min())
+
+
 @dataclass(frozen=True, eq=False)
 class Slab:
     """What of some outlines is within a stretch along each of several headings (k,): `low` to

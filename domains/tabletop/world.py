@@ -116,7 +116,9 @@ class TabletopWorld:
         statics = fixed_rows(scene.world)
         roads = Roads.of(robot, robot.body(robot.gripper.max_opening), statics)
         x, y, _ = scene.robot_start
-        if not is_fixed(robot) and not roads.can_leave(scene.robot_start):
+        # Where it has no room to turn, the room is that which it gets to straight backwards.
+        room = (x, y) if is_fixed(robot) else roads.lane(scene.robot_start)
+        if room is None:
             raise InputError(
                 f"the robot cannot stand at ({x:g}, {y:g}): {_too_near(scene, roads)}",
                 place=f"{scene.name}: robot_start",
@@ -142,7 +144,7 @@ class TabletopWorld:
             families=scene.families,
             statics=statics,
             roads=roads,
-            room=room_around(statics, roads.clearance, x, y),
+            room=room_around(statics, roads.clearance, *room),
         )
 
     @cached_property
@@ -597,6 +599,16 @@ class TabletopWorld:
                 sites = self.sites_of(index, goal, None)
                 found[index] = known.setdefault((sites.key, sites.symmetry), sites)
         return found
+
+    @cached_property
+    def wanted_held(self) -> frozenset[int]:
+        """The objects that are to be, or may be, in the gripper at the end."""
+        return frozenset(
+            index
+            for index, goal in self.scene.goals.items()
+            for each in (goal.alternatives if isinstance(goal, AnyGoal) else (goal,))
+            if isinstance(each, HeldGoal)
+        )
 
     @cached_property
     def placed_goals(self) -> dict[int, RegionGoal | PoseGoal]:

@@ -26,6 +26,9 @@ TOOL_LINK = "tool_frame"
 
 BASE_TYPES = ("differential", "holonomic", "fixed")
 
+OPENS = ("as needed", "fully")
+"""How a gripper opens: to any width, or as far as it goes."""
+
 
 @dataclass(frozen=True, eq=False)
 class GripperFile:
@@ -38,6 +41,7 @@ class GripperFile:
     max_force: float | None
     max_torque: float | None
     payload: float | None
+    opens_fully: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -231,8 +235,17 @@ def _gripper(table: Table) -> GripperFile:
         links=tuple(table.texts("links")),
         clearance=table.positive("clearance", 0.004),
         time=table.positive("time", 0.5),
+        opens_fully=_opens_fully(table),
         **limits,
     )
+
+
+def _opens_fully(table: Table) -> bool:
+    how = table.text("opens", OPENS[0])
+    if how not in OPENS:
+        known = ", ".join(map(repr, OPENS))
+        raise table.error("opens", f"no gripper opens {how!r}", hint=f"known: {known}")
+    return how == OPENS[1]
 
 
 def _base(table: Table) -> MobileBase:

@@ -36,7 +36,8 @@ class Gripper:
     least to the largest distance of the pads in metres, `values` (k, m) are those of the
     `joints` there; in between both are interpolated. `links` are the links that may touch what
     is held. Limits that are not known are None: `max_force` in N along the closing direction,
-    `max_torque` in N m about it, `payload` in kg.
+    `max_torque` in N m about it, `payload` in kg. `opens_fully`: it knows no width in between, as
+    pneumatic grippers do not.
     """
 
     fingers: tuple[tuple[int, float], ...]
@@ -49,6 +50,7 @@ class Gripper:
     max_force: float | None = None
     max_torque: float | None = None
     payload: float | None = None
+    opens_fully: bool = False
 
     @property
     def min_opening(self) -> float:
@@ -59,6 +61,12 @@ class Gripper:
     def max_opening(self) -> float:
         """Metres between the pads when open as far as they go."""
         return float(self.openings[-1])
+
+    def opening_for(self, width: float) -> float:
+        """Metres between the pads before they close on something of a width."""
+        if self.opens_fully:
+            return self.max_opening
+        return min(width + 2 * self.clearance, self.max_opening)
 
     def joint_values(self, opening: float | Floats) -> dict[str, Floats]:
         """Values of the finger joints for one opening or an array of them."""

@@ -142,6 +142,7 @@ def _gripper(
         max_force=file.max_force,
         max_torque=file.max_torque,
         payload=file.payload,
+        opens_fully=file.opens_fully,
     )
 
 

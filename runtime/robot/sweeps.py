@@ -43,8 +43,8 @@ SLAB = 0.08
 """Metres of one box of the arm, along the way back."""
 
 
-def _swept(boxes: Floats, family: Family) -> Floats:
-    """Boxes drawn out along the way in."""
+def drawn_out(boxes: Floats, family: Family) -> Floats:
+    """Boxes (k, 6) drawn out along the way in."""
     swept = boxes.copy()
     if family is Family.TOP:
         swept[:, 5] += TRAVEL
@@ -57,7 +57,8 @@ def approach_of(robot: RobotModel, family: Family, postures: Sequence[Posture]) 
     """What a family sweeps, from some postures at its grasps."""
     hand, fingers = hand_boxes(robot, family)
     arm = _arm_boxes(robot, family, postures)
-    return Approach(family, _swept(hand, family), _swept(arm, family), _swept(fingers, family))
+    swept = (drawn_out(boxes, family) for boxes in (hand, arm, fingers))
+    return Approach(family, *swept)
 
 
 def _arm_boxes(robot: RobotModel, family: Family, postures: Sequence[Posture]) -> Floats:

@@ -13,15 +13,34 @@ from sketchlang.cli import names
 from sketchlang.cli.common import Number, fail, interruptible, say
 
 
+class Bench(click.Command):
+    """The command; its suite `kinder` is one with options of its own."""
+
+    def make_context(
+        self,
+        info_name: str | None,
+        args: list[str],
+        parent: click.Context | None = None,
+        **extra: Any,
+    ) -> click.Context:
+        if args[:1] == ["kinder"]:
+            from sketchlang.cli import kinder
+
+            return kinder.command.make_context(f"{info_name} kinder", args[1:], parent, **extra)
+        return super().make_context(info_name, args, parent, **extra)
+
+
 @click.command(
+    cls=Bench,
     epilog="""\b
 Examples:
   sketchlang bench paper --seeds 10
   sketchlang bench paper --planner siw-r --scene sorting/4t-07 --seeds 3
   sketchlang bench scaling --jobs 1
   sketchlang bench ipc --tasks FOLDER
+  sketchlang bench kinder --help
 Run the same command again after an interruption: finished runs are not repeated.
-"""
+""",
 )
 @click.argument("suite", type=click.Choice(["paper", "scaling", "ipc"]))
 @click.option(

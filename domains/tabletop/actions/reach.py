@@ -74,8 +74,7 @@ def grip_of(item: Item, hand: Hand, grasp: Grasp) -> Grip | None:
     if hold is None or not hold.fits[0]:
         return None
     width = float(hold.width[0])
-    opening = min(width + 2 * hand.clearance, hand.max_opening)
-    return Grip(opening, width, _retreats(item, grasp))
+    return Grip(hand.robot.gripper.opening_for(width), width, _retreats(item, grasp))
 
 
 def grip_on(grip: Grip, item: Item, grasp: Grasp) -> Grip:

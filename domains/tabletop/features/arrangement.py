@@ -10,6 +10,7 @@ carried over and equals, value by value, what would be computed afresh.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Hashable, Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -55,7 +56,8 @@ class Picks:
 
 @dataclass(frozen=True, eq=False)
 class Places:
-    """The same for the sites of a goal: `barred` (S, n), `counts` (S, K), `reachable` (S,)."""
+    """The same for the sites of a goal: `barred` (S, n), `counts` (S, K), `reachable` (S,).
+    `stands` (S, 8) are boxes around the object at the sites where its heading there is known."""
 
     goal: GoalSites
     hold: SiteHold
@@ -63,6 +65,7 @@ class Places:
     barred: Ints
     counts: Ints
     reachable: Ints
+    stands: Floats | None = None
 
     @cached_property
     def free(self) -> Ints:
@@ -237,7 +240,7 @@ class Arrangement:
                         counts = swept.shifted_counts(counts, gone, come)
                     barred[:, i] = column
             to.places[key] = Places(
-                known.goal, known.hold, known.own, barred, counts, known.reachable
+                known.goal, known.hold, known.own, barred, counts, known.reachable, known.stands
             )
 
     def _is_far(self, to: Arrangement, known: Places, index: int) -> bool:
@@ -310,7 +313,11 @@ class Arrangement:
             reachable = world.reachable_goal(goal, index, family, hold, face)
             empty = np.zeros((len(goal.xyz), 0), dtype=np.int64)
             own = world.own(index, face)
-            known = Places(goal, hold, own, empty, empty, reachable)
+            stands = None
+            if yaw is not None and world.item(index, face).is_box:
+                sites = goal.xyz.tolist()
+                stands = np.array([world.box_row(index, (x, y, z, yaw), face) for x, y, z in sites])
+            known = Places(goal, hold, own, empty, empty, reachable, stands)
             barred = _place_barred(world, known, family, self.boxes)
             if goal.frame is not None:  # what it is to stand on is not in the way of it
                 owner = world.grounds[goal.support].owner
@@ -318,7 +325,7 @@ class Arrangement:
                 barred[:, owner] = 0
             barred[:, list(load)] = 0  # that goes with it
             counts = swept.bar_counts(barred, self.present, reachable)
-            known = Places(goal, hold, known.own, barred, counts, reachable)
+            known = Places(goal, hold, known.own, barred, counts, reachable, stands)
             self.places[key] = known
         return known
 
@@ -448,6 +455,10 @@ class Arrangement:
         at = self.world.rests(self.placements, index)
         assert at is not None
         return swept.near_headings(turn.angle + at[3])
+
+    def barred_from_picking(self, index: int) -> int:
+        """The cost of taking away what is in the way of picking an object up that rests."""
+        return self._of_picking(index, self.world.families, None) if self.present[index] else 0
 
     def _of_picking(self, index: int, families: Sequence[int], extra: Thought | None) -> int:
         """The cost of taking away what is in the way of picking an object up."""
@@ -859,4 +870,12 @@ def _place_barred(world: TabletopWorld, ways: Places, family: int, boxes: Floats
     holds, heights, owns = ways.repeated
     sweep = world.hand.sweeps[family]
     found: Ints = swept.barred_matrix(ways.goal.xyz, holds, heights, owns, boxes, sweep, 0.0)
+    for s, stands in enumerate(() if ways.stands is None else ways.stands):
+        # Where its heading is prescribed, what reaches into its corners is in its place, too.
+        away = np.hypot(boxes[:, 0] - stands[0], boxes[:, 1] - stands[1])
+        near = away < np.hypot(boxes[:, 3], boxes[:, 4]) + math.hypot(stands[3], stands[4])
+        for j in np.flatnonzero(near & (found[s] != swept.ALL)):
+            apart = abs(boxes[j, 2] - stands[2]) >= boxes[j, 5] + stands[5] - swept.LEVEL
+            if not apart and footprints_meet(stands, boxes[j], 0.0):
+                found[s, j] = swept.ALL
     return found

@@ -98,6 +98,14 @@ def obstructions(state: State, index: int) -> int:
     return here.obstructions(index, goal, state.grasp if state.held == index else None)
 
 
+def bars(state: State, index: int) -> int:
+    """What is to be taken away before an object can be picked up, wherever it goes then."""
+    if state.held == index:
+        return 0
+    here = arrangement(state.world, state.placements)
+    return here.barred_from_picking(index)
+
+
 def goal_placements(state: State, index: int) -> tuple[Placement, ...]:
     """Goal placements of an object that no other object occupies."""
     here = arrangement(state.world, state.placements)

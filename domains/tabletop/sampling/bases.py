@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections import OrderedDict
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -11,6 +12,11 @@ from domains.tabletop.sampling.draw import BASES, Draw
 from domains.tabletop.sampling.stands import first_with_room, stand
 from domains.tabletop.state import TOP, BasePose, Grasp, Placement, State
 from domains.tabletop.world import TabletopWorld
+from runtime.motion.roads import Roads
+from runtime.motion.room import Room, room_around
+
+ROOMS = 200
+"""Rooms that are remembered."""
 
 ROUNDS = 3
 """So many base poses for the same grasp, where there are few grasps."""
@@ -26,10 +32,32 @@ Wanted = tuple[int, Sequence[tuple[Placement | None, Grasp]]]
 
 
 class BaseSampler:
-    """Samples base poses for one task."""
+    """Samples base poses for one task. `roads_for` tells the roads in a state; without it those
+    of the static scene are meant."""
 
-    def __init__(self, world: TabletopWorld) -> None:
+    def __init__(
+        self, world: TabletopWorld, roads_for: Callable[[State], Roads] | None = None
+    ) -> None:
         self.world = world
+        self.roads_for = roads_for
+        self._rooms: OrderedDict[int, tuple[Roads, Room]] = OrderedDict()
+
+    def _room(self, state: State) -> Room:
+        """Where the robot can get to and turn; what stands on the floor is in its way, too."""
+        world = self.world
+        roads = world.roads if self.roads_for is None else self.roads_for(state)
+        if len(roads.boxes) == len(world.roads.boxes):
+            return world.room
+        known = self._rooms.get(id(roads))
+        if known is None or known[0] is not roads:
+            at = roads.lane(state.base.pose) or state.base.pose[:2]
+            known = self._rooms[id(roads)] = (
+                roads,
+                room_around(roads.boxes, roads.clearance, *at),
+            )
+            if len(self._rooms) > ROOMS:
+                self._rooms.popitem(last=False)
+        return known[1]
 
     def poses(self, draw: Draw, wanted: Sequence[Wanted]) -> list[BasePose]:
         """Base poses from which the wanted grasps can be taken: one grasp of every object
@@ -116,7 +144,9 @@ class BaseSampler:
         turns = rng.uniform(-0.4, 0.4, tries)
         at_wrist = wrist, (x, y), world.robot.centre
         if not narrow:
-            number, *pose = first_with_room(*at_wrist, bearings, reaches, turns, *world.room.floor)
+            number, *pose = first_with_room(
+                *at_wrist, bearings, reaches, turns, *self._room(state).floor
+            )
             return None if number < 0 else BasePose.of(*pose)
         for drawn in zip(bearings, reaches, turns, strict=True):
             pose = stand(*at_wrist, *drawn)

@@ -178,7 +178,7 @@ class GraspSampler:
         blocked = {i for i in wrong if obstructions(state, i) > 0}
         ready = self.ready(state)
         if draw.attempt == 0:
-            relevant = set(wrong)
+            relevant = set(wrong) | world.wanted_held
             for index in blocked:
                 goal = world.goal_sites(index, here)
                 if goal is not None:

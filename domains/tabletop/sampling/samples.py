@@ -86,7 +86,7 @@ class Sampler:
         self.schemas = tuple(schemas)
         self.grasps = GraspSampler(world)
         self.placements = PlacementSampler(world)
-        self.bases = BaseSampler(world)
+        self.bases = BaseSampler(world, executor.roads_for)
 
     def sample(self, state: State, attempt: int, rng: np.random.Generator) -> Samples:
         """Samples for the subproblem that starts in a state; `attempt` counts its failures."""

@@ -115,6 +115,7 @@ def robot_toml(proposal: Proposal) -> str:
             f"links = {_texts(file.gripper.links)}",
             f"clearance = {file.gripper.clearance:g}  # metres beside the object while approaching",
             f"time = {file.gripper.time:g}  # seconds to open or close",
+            *(['opens = "fully"'] if file.gripper.opens_fully else []),
             "# Where they are known: max_force (N), max_torque (N m), payload (kg).",
         ]
     lines += ["", "[base]", f"type = {_text(file.base.type)}"]

@@ -5,7 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from domains.tabletop.hand import FAMILY, hand_of
+from domains.tabletop.state import SIDE, TOP
 from runtime.robot.load import load_robot
+from runtime.robot.open_hand import tools
 from runtime.robot.outline import outline
 from runtime.world.poses import apply, compose, invert
 from sketchlang.errors import InputError
@@ -97,3 +100,39 @@ def test_limits_of_the_gripper_are_optional(tmp_path) -> None:
     toml = TOML.replace("time = 0.5", "time = 0.5\nmax_force = 40\nmax_torque = 2.5\npayload = 3")
     gripper = load_robot(write_robot(tmp_path, toml)).gripper
     assert (gripper.max_force, gripper.max_torque, gripper.payload) == (40.0, 2.5, 3.0)
+
+
+def test_a_gripper_may_know_no_width_in_between(tmp_path) -> None:
+    gripper = load_robot(write_robot(tmp_path)).gripper
+    assert gripper.opening_for(0.02) == pytest.approx(0.028)
+    assert gripper.opening_for(1.0) == gripper.max_opening
+    fully = TOML.replace("time = 0.5", 'time = 0.5\nopens = "fully"')
+    gripper = load_robot(write_robot(tmp_path, fully)).gripper
+    assert gripper.opening_for(0.02) == gripper.max_opening
+    with pytest.raises(InputError, match="opens 'half'"):
+        load_robot(write_robot(tmp_path, fully.replace('"fully"', '"half"')))
+
+
+@pytest.mark.parametrize(("toml", "urdf"), [(TOML, URDF), (ONE, TURNING)], ids=["slide", "turn"])
+@pytest.mark.parametrize("fully", [False, True])
+@pytest.mark.parametrize("family", [SIDE, TOP])
+def test_volumes_hold_the_fingers_while_they_close(tmp_path, toml, urdf, fully, family) -> None:
+    """Points of the fingers at all openings from the one before the grasp to that of the grasp, by
+    the body that is tested for contact, in the approach frame."""
+    if fully:
+        toml = toml.replace("time = 0.5", 'time = 0.5\nopens = "fully"')
+    robot = load_robot(write_robot(tmp_path, toml, urdf))
+    width = 0.6 * robot.gripper.max_opening
+    rows = hand_of(robot).sweeps[family]
+    wider = np.where(rows[:, 6] == 1.0, width / 2, 0.0)
+    low = np.column_stack([rows[:, 0], rows[:, 2] - wider, rows[:, 4]])
+    high = np.column_stack([rows[:, 1], rows[:, 3] + wider, rows[:, 5]])
+    tool = tools(FAMILY[family], 0.0)[0]
+    for opening in np.linspace(width, robot.gripper.opening_for(width), 5).tolist():
+        body = robot.body(opening)
+        for index, _ in robot.gripper.fingers:
+            pose = compose(tool, compose(invert(robot.tool), body.pose[index]))
+            points = apply(pose, outline(robot.parts[index].shape.solid))[:, None]
+            # Between two of the openings that are looked at fingers move by a few millimetres.
+            inside = ((points >= low - 4e-3) & (points <= high + 4e-3)).all(axis=2)
+            assert inside.any(axis=1).all()
