@@ -21,7 +21,7 @@ QUICK  := tests/test_architecture.py tests/spec tests/language/test_cli.py \
           tests/runtime/world/test_tops.py tests/runtime/judge/test_replay.py \
           tests/runtime/plan/test_version_1.py tests/trust/test_reading.py
 
-.PHONY: demo quick test lint check slow fuzz lock clean help vscode site
+.PHONY: demo quick test lint check slow fuzz lock clean help vscode site kinder
 
 help:
 	@echo "make demo   plan a sorting scene, certify the plan, write a page to watch it (SCENE=...)"
@@ -33,6 +33,7 @@ help:
 	@echo "make check  lint, types and fast tests, for the daily loop"
 	@echo "make vscode package the VS Code extension (needs Node.js)"
 	@echo "make site   the documentation as a site, with a playground, in out/site (needs Node.js)"
+	@echo "make kinder the environments of KinDER, beside ours (1.9 GB): sketchlang bench kinder"
 	@echo "make lock   resolve the dependencies anew"
 
 $(READY): requirements.lock pyproject.toml
@@ -84,6 +85,17 @@ $(SITE)/.ready: $(READY) docs/site/requirements.lock docs/site/package-lock.json
 
 site: $(SITE)/.ready
 	$(BIN)/python -m docs.site.build --zensical $(SITE)/bin/zensical
+
+# The environments of KinDER need an older numpy: they have an environment of their own as well.
+KINDER := $(VENV)/kinder
+
+$(KINDER)/.ready: $(READY)
+	$(PYTHON) -m venv $(KINDER)
+	$(KINDER)/bin/python -m pip install --quiet --disable-pip-version-check kindergarden==0.2.5
+	$(BIN)/sketchlang bench kinder --envs Table3D-o1 --seeds 0
+	@touch $@
+
+kinder: $(KINDER)/.ready
 
 lock:
 	$(BIN)/python -m pip install --quiet "pip-tools>=7.5"

@@ -38,6 +38,7 @@ SECTIONS = {
         "architecture.md",
         "slips.md",
         "benchmarks.md",
+        "kinder.md",
         "*.md",
     ),
     "Decisions": ("adr/*.md",),

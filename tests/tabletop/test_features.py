@@ -16,6 +16,7 @@ from domains.tabletop.features.functions import arrangement
 from domains.tabletop.features.swept import LEVEL, PLAY, STEP
 from domains.tabletop.items import GRASP_HEIGHT, PALM_AIR, PINCH_DEPTH
 from domains.tabletop.memory import Memory
+from domains.tabletop.problem import TabletopProblem
 from domains.tabletop.scene.generate import sorting_scene
 from domains.tabletop.scene.load import load_scene
 from domains.tabletop.state import PINCH, SIDE, TOP, BasePose, Grasp, Placement, State
@@ -370,3 +371,35 @@ def test_what_is_carried_over_is_what_would_be_computed_anew(tmp_path) -> None:
             assert found == [obstructions(anew, Object(i)) for i in range(len(scene.objects))]
         values |= set(found)
     assert len(values) > 2
+
+
+@pytest.mark.parametrize(("dx", "yaw", "barred"), [(0.085, 0, True), (0.12, 0, False)])
+def test_what_reaches_into_a_corner_of_a_place_is_in_the_way(tmp_path, dx, yaw, barred) -> None:
+    """A long carton that has to lie straight, and a cube where one of its ends belongs."""
+    carton = box("carton", 0.8, 0.6, (0.16, 0.04, 0.04), 0)
+    goal = f'[[goal]]\nobject = "carton"\nat = [0.8, -0.9]\nyaw = {yaw}\n'
+    cube = box("cube", 0.8 + dx, -0.9 + 0.03, (0.03, 0.03, 0.03), 0)
+    the = with_families(task(tmp_path, carton, cube, goal), (TOP,))
+    assert (obstructions(the.initial, Object(0)) > 0) == barred
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_base_poses_are_clear_of_what_stands_on_the_floor(tmp_path, seed) -> None:
+    rng = np.random.default_rng(seed)
+    tall = (0.05, 0.05, 0.3)
+    spots = [tuple(np.round(rng.uniform((-1.6, -0.7), (-0.9, 0.7)), 3)) for _ in range(5)]
+    things = [box(f"o{i}", x, y, tall, 0) + 'on = "floor"\n' for i, (x, y) in enumerate(spots)]
+    entry = box("a", 0.6, 0.6, (0.04, 0.04, 0.2), 0)
+    the = task(tmp_path, entry, *things, ON_RIGHT.format("a"), ON_RIGHT.format("o0"))
+    problem = TabletopProblem(the, 0)
+    state = the.initial
+    roads = problem.executor.roads_for(state)
+    found = [
+        problem.sampler.bases.pose_for(state, i, state.placements[i], grasp, rng)
+        for i in (0, 1)
+        for a in np.arange(0.0, 6.0, 0.25)
+        if (grasp := the.grasp(i, 0, SIDE, a)) is not None
+    ]
+    poses = [base for base in found if base is not None]
+    assert len(poses) > 10
+    assert all(roads.can_turn(*base.pose[:2]) for base in poses)

@@ -234,3 +234,31 @@ def test_a_tool_frame_is_a_rotation_with_the_axes_of_its_family(family, angle, f
         assert x == pytest.approx(heading, abs=1e-4)
         assert y == pytest.approx(sign * up, abs=1e-9)
     assert tool[:, 3] == pytest.approx(0.02 * heading - 0.01 * left + 0.1 * up, abs=1e-4)
+
+
+def test_the_room_that_is_filled_is_that_of_the_outline() -> None:
+    """Against points of the outline: none of them is nearer to the middle."""
+    corner = Hull(
+        ((0, 0, 0), (0.1, 0, 0), (0, 0.1, 0), (0, 0, 0.02), (0.1, 0, 0.02), (0, 0.1, 0.02))
+    )
+    assert item_of(movable((corner, at(0.0)))).inner_radius == pytest.approx(0.0, abs=1e-9)
+    low = Hull(((0, 0, 0), (0.1, 0, 0), (0.1, 0.04, 0), (0, 0.1, 0), (0, 0, 0.02), (0.1, 0, 0.02)))
+    item = item_of(movable((low, at(0.0))))
+    (outline,) = item.section(0.0, item.size[2])
+    share = np.linspace(0, 1, 200)[:, None, None]
+    edge = (outline * (1 - share) + np.roll(outline, -1, axis=0) * share).reshape(-1, 2)
+    assert item.inner_radius == pytest.approx(np.hypot(*edge.T).min(), abs=1e-4)
+    box = item_of(THINGS["plate"])
+    assert box.inner_radius == 0.075
+    assert item_of(THINGS["can"]).inner_radius == pytest.approx(0.03, rel=ROUNDING)
+
+
+def test_a_slab_is_taken_by_the_knob_on_it(hand) -> None:
+    """Though it would fit between the fingers along some headings."""
+    slab = Hull(((0, 0, 0), (0.1, 0, 0), (0, 0.1, 0), (0, 0, 0.02), (0.1, 0, 0.02), (0, 0.1, 0.02)))
+    knob = Box((0.02, 0.02, 0.08)), at(0.06, 0.033, 0.033)  # first: the centre of mass is there
+    item = item_of(movable(knob, (slab, at(0.0))))
+    hold = item.holds(hand, TOP, ANGLES)
+    assert hold.fits.all()
+    assert hold.height - hand.tip > 0.02
+    assert (hold.width < 0.03).all()
