@@ -30,6 +30,10 @@ def write(drawing: Drawing) -> str:
 
 
 def _box(box: Box) -> str:
+    if box.look is Look.RULE:
+        return (
+            f'  {box.key} [label={_text(*box.lines)}, fillcolor="#eeeeee", penwidth=0, height=0.2];'
+        )
     border = colour(box.step)
     width = 1 if box.step is None and not box.start else 2
     return (

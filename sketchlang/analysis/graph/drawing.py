@@ -16,6 +16,7 @@ class Look(Enum):
     PLAIN = "plain"
     GOAL = "goal"
     GAP = "gap"  # no rule can be used there
+    RULE = "rule"  # where the arrows of one rule from one valuation part
 
 
 @dataclass(frozen=True, slots=True)

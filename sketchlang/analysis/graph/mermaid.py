@@ -7,7 +7,7 @@ import json
 from sketchlang.analysis.graph.drawing import Drawing, Look, colour
 from sketchlang.escape import visible
 
-_CLASSES = {Look.PLAIN: "plain", Look.GOAL: "goal", Look.GAP: "gap"}
+_CLASSES = {Look.PLAIN: "plain", Look.GOAL: "goal", Look.GAP: "gap", Look.RULE: "rule"}
 
 
 def write(drawing: Drawing) -> str:
@@ -26,6 +26,7 @@ def write(drawing: Drawing) -> str:
         "  classDef plain fill:#ffffff,stroke:#444444,color:#000000",
         "  classDef goal fill:#d9f2d9,stroke:#444444,color:#000000",
         "  classDef gap fill:#fde0d9,stroke:#444444,color:#000000",
+        "  classDef rule fill:#eeeeee,stroke:none,color:#000000",
         "  classDef legend fill:none,stroke:none,color:#444444",
     ]
     for box in drawing.boxes:

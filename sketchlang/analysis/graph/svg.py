@@ -32,7 +32,7 @@ MOST_LABELS = 40
 MOST_ARROWS = 2000
 """Arrows up to which a layout is made: nobody could follow more."""
 
-_FILLS = {Look.PLAIN: "#ffffff", Look.GOAL: "#d9f2d9", Look.GAP: "#fde0d9"}
+_FILLS = {Look.PLAIN: "#ffffff", Look.GOAL: "#d9f2d9", Look.GAP: "#fde0d9", Look.RULE: "#eeeeee"}
 
 
 def write(drawing: Drawing) -> str:
@@ -191,7 +191,7 @@ def _text_on_line(arrow: Arrow, item: Item, label: str) -> list[str]:
 
 def _box(box: Box, item: Item) -> list[str]:
     width, height = _size(box, 0.0)
-    stroke = 1.0 if box.step is None else 2.5
+    stroke = 0.0 if box.look is Look.RULE else 1.0 if box.step is None else 2.5
     covers = f' data-valuations="{" ".join(box.covers)}"' if box.covers else ""
     parts = [f'<g data-box="{box.key}"{covers}>']
     if box.start:

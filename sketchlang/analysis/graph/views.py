@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 from sketchlang.analysis.bits import rule_bits, subsets
 from sketchlang.analysis.cubes import Cube, Work, fewest_cubes
@@ -55,7 +55,8 @@ class _PolicyGraph:
 def policy_view(model: SketchModel, verdict: Verdict, start: int | None = None) -> Drawing:
     """A box for every valuation that an edge enters or leaves, and every gap. Boxes have the
     colour of the last step that takes an edge away from them: so they are grouped by the proof.
-    `start` is the valuation, a bit a feature, where a run starts."""
+    The edges by which one rule leads from one valuation to several are bundled: they part at a
+    small box with the rule's name. `start` is the valuation, a bit a feature, where a run starts."""
     graph = _PolicyGraph(model)
     removal, endless = _evidence(model, verdict)
     sources = {before for before, _, _ in graph.edges}
@@ -74,10 +75,40 @@ def policy_view(model: SketchModel, verdict: Verdict, start: int | None = None) 
         lines = (START, words) if v == start else (words,)
         covers = (_pattern(graph.count, v),)
         boxes.append(Box(f"v{v}", lines, look, last.get(v), covers, v == start))
-    arrows = _arrows(model, graph.edges, {v: f"v{v}" for v in graph.valuations}, removal, endless)
+    key_of = {v: f"v{v}" for v in graph.valuations}
+    bundles: dict[tuple[int, int], list[Edge]] = {}
+    for edge in graph.edges:
+        bundles.setdefault(edge[:2], []).append(edge)
+    alone = [edge for edges in bundles.values() for edge in edges if len(edges) == 1]
+    arrows = list(_arrows(model, alone, key_of, removal, endless))
+    for (before, rule), edges in bundles.items():
+        if len(edges) > 1:
+            key = f"v{before}r{rule}"
+            boxes.append(Box(key, (model.rules[rule].name,), Look.RULE))
+            arrows += _bundle(model, edges, key, removal, endless)
     return Drawing(
-        f"{model.name}: policy graph", tuple(boxes), arrows, _legend(boxes, arrows, removal)
+        f"{model.name}: policy graph", tuple(boxes), tuple(arrows), _legend(boxes, arrows, removal)
     )
+
+
+def _bundle(
+    model: SketchModel,
+    edges: Sequence[Edge],
+    key: str,
+    removal: Removal,
+    endless: tuple[Move, ...],
+) -> Iterator[Arrow]:
+    """An arrow to the box of a bundle, and one from there for each edge."""
+    cycle = {(move.before, move.rule, move.after) for move in endless}
+    before, rule, _ = edges[0]
+    names = (model.rules[rule].name,)
+    steps = {removal.of_edge(*edge) for edge in edges}
+    common = steps.pop() if len(steps) == 1 else None
+    bad = any(edge in cycle for edge in edges)
+    yield Arrow(f"v{before}", key, "", None if bad else common, bad, names)
+    for edge in edges:
+        step = None if edge in cycle else removal.of_edge(*edge)
+        yield Arrow(key, f"v{edge[2]}", "", step, edge in cycle, names)
 
 
 def _pattern(count: int, valuation: int) -> str:
