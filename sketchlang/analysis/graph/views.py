@@ -56,7 +56,8 @@ def policy_view(model: SketchModel, verdict: Verdict, start: int | None = None) 
     """A box for every valuation that an edge enters or leaves, and every gap. Boxes have the
     colour of the last step that takes an edge away from them: so they are grouped by the proof.
     The edges by which one rule leads from one valuation to several are bundled: they part at a
-    small box with the rule's name. `start` is the valuation, a bit a feature, where a run starts."""
+    small box with the rule's name. `start` is the valuation, a bit a feature, where a run starts.
+    """
     graph = _PolicyGraph(model)
     removal, endless = _evidence(model, verdict)
     sources = {before for before, _, _ in graph.edges}
