@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import os
 import re
-from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from statistics import median
 from typing import Any
 
 from domains.pddl.interface import domain_beside
-from runtime.bench.store import Job
+from runtime.bench.statistics import quantile
+from runtime.bench.suite import TIMEOUT, Block, Suite
+from runtime.bench.suite_file import natural
+from runtime.bench.summary import Summary, grouped, summarise
+from runtime.bench.table import Table, count, seconds
 from sketchlang.errors import InputError
-from sketchlang.loader import builtin_sketches, load_sketch, pddl_domain
+from sketchlang.loader import PDDL, builtin_sketches
 from sketchlang.suggest import did_you_mean
 
 Result = dict[str, Any]
@@ -31,18 +33,30 @@ PUBLISHED = {
 Seipp and Geffner, KR 2021)."""
 
 
-def jobs_of(folder: Path, sketch: str | None, planner: str, timeout: float) -> list[Job]:
-    """A job for every task below a folder, with the sketch of its domain.
+def suite_of(
+    folder: Path, sketch: str | None, planner: str = "siw-r", timeout: float = TIMEOUT
+) -> Suite:
+    """Every task below a folder once, with the sketch of its domain.
 
     Raises:
         InputError: there are no tasks, or there is no sketch for one.
     """
     if not folder.is_dir():
         raise InputError("is no folder", place=str(folder))
-    tasks = sorted(_tasks_below(folder), key=_natural)
+    tasks = sorted(_tasks_below(folder), key=lambda path: natural(path.as_posix()))
     if not tasks:
         raise InputError("has no tasks (files ending in .pddl)", place=str(folder))
-    return [Job(sketch or sketch_for(task), str(task), planner, 0, timeout) for task in tasks]
+    if sketch is not None and os.path.isfile(sketch):
+        sketch = os.path.relpath(sketch, folder)
+    by_sketch: dict[str, list[str]] = {}
+    for task in tasks:
+        name = task.relative_to(folder).as_posix()
+        by_sketch.setdefault(sketch or sketch_for(task), []).append(name)
+    blocks = (
+        Block((name,), tuple(paths), (planner,), (0,), timeout=timeout)
+        for name, paths in by_sketch.items()
+    )
+    return Suite("ipc", tuple(blocks), str(folder), "ipc")
 
 
 def _tasks_below(folder: Path) -> Iterator[Path]:
@@ -54,13 +68,8 @@ def _tasks_below(folder: Path) -> Iterator[Path]:
             name for name in folders if os.path.realpath(os.path.join(below, name)) not in been
         ]
         for name in names:
-            if name.endswith(".pddl") and "domain" not in name:
+            if name.endswith(PDDL) and "domain" not in name:
                 yield Path(below, name)
-
-
-def _natural(path: Path) -> list[object]:
-    """`p2` before `p10`."""
-    return [int(part) if part.isdigit() else part for part in re.split(r"(\d+)", str(path))]
 
 
 def sketch_for(task: Path) -> str:
@@ -85,55 +94,62 @@ def sketch_for(task: Path) -> str:
     )
 
 
-def run_job(job: Job) -> Result:
-    """Plan once, replay the plan, and say what came out. Runs in a process of its own."""
-    from runtime.report import make_report
-    from runtime.search.limits import Limits
-    from runtime.solve import open_task
-    from sketchlang.analysis.limits import peak_memory_mb
-
-    domain = pddl_domain(str(domain_beside(job.scene)))
-    task = open_task(load_sketch(job.sketch, None, domain).checked, job.scene, job.seed)
-    result = task.solve(Limits(timeout=job.timeout), job.planner)
-    report = make_report(result)
-    if result.solved:
-        verdict = result.plan.validate()
-        report["valid"] = verdict.valid
-        report["findings"] = [finding.message for finding in verdict.findings]
-    widths = Counter(0 if len(s.actions) == 1 else s.width for s in result.outcome.subgoals)
-    report["widths"] = {str(width): count for width, count in sorted(widths.items())}
-    report["objects_moved"] = 0  # stores of all suites have it; here nothing is moved
-    report["peak_mb"] = round(peak_memory_mb())
-    return report
-
-
-def table(results: Sequence[Result]) -> list[str]:
-    """One line a sketch, with what was published beside it."""
-    groups: dict[str, list[Result]] = {}
-    for result in results:
-        groups.setdefault(str(result["job"]["sketch"]), []).append(result)
-    lines = [
-        "| sketch | solved | valid | planning s (median; worst) | actions | expanded a second "
-        "| subgoals of width 0; 1; 2 | worst MB | published: tasks | SIW | SIW_R | LAMA | BFWS |",
-        "|---|---|---|---|---|---|---|---|---|---|---|---|---|",
+def tables(results: Sequence[Result]) -> list[Table]:
+    """One line a sketch and planner, with what was published beside it."""
+    groups: dict[tuple[str, str], list[Summary]] = {}
+    for summary in summarise(results):
+        groups.setdefault((summary.case.sketch, summary.case.planner), []).append(summary)
+    runs = grouped(results)
+    of = {pair: [r for s in found for r in runs[s.case]] for pair, found in groups.items()}
+    return [
+        Table(
+            "PDDL tasks",
+            ("sketch", "planner", "solved", "valid", "s", "worst", "actions", "worst MB"),
+            tuple((*pair, *_solved(group)) for pair, group in of.items()),
+            2,
+            ("Medians and the worst, over the solved tasks.",),
+        ),
+        Table(
+            "Search",
+            ("sketch", "planner", "nodes", "a second", "subgoals of width 0; 1; 2"),
+            tuple((*pair, *_searched(group)) for pair, group in of.items()),
+        ),
+        Table(
+            "Published: tasks, and how many of them were solved",
+            ("sketch", "tasks", "SIW", "SIW_R", "LAMA", "BFWS"),
+            tuple(
+                (sketch, *map(str, PUBLISHED[sketch]))
+                for sketch in dict.fromkeys(sketch for sketch, _ in of)
+                if sketch in PUBLISHED
+            ),
+            1,
+            ("In 30 minutes and 8 GB (Drexler, Seipp and Geffner, KR 2021).",),
+        ),
     ]
-    for sketch, group in groups.items():
-        solved = [result for result in group if result["solved"]]
-        valid = sum(bool(result.get("valid")) for result in solved)
-        cells = [sketch, f"{len(solved)}/{len(group)}", f"{valid}/{len(solved)}"]
-        if solved:
-            seconds = [result["planning_time_s"] for result in solved]
-            rates = [r["expanded"] / r["planning_time_s"] for r in solved if r["planning_time_s"]]
-            widths = [sum(r["widths"].get(str(k), 0) for r in solved) for k in range(3)]
-            cells += [
-                f"{median(seconds):.2f}; {max(seconds):.2f}",
-                f"{median(result['actions'] for result in solved):.0f}",
-                f"{median(rates):.0f}" if rates else "",
-                "; ".join(map(str, widths)),
-                str(max(result["peak_mb"] for result in group)),
-            ]
-        else:
-            cells += [""] * 5
-        cells += [str(number) for number in PUBLISHED.get(sketch, ("",) * 5)]
-        lines.append("| " + " | ".join(cells) + " |")
-    return lines
+
+
+def _solved(group: list[Result]) -> tuple[str, ...]:
+    solved = [result for result in group if result["solved"]]
+    valid = sum(bool(result.get("valid")) for result in solved)
+    counts = (f"{len(solved)}/{len(group)}", f"{valid}/{len(solved)}")
+    if not solved:
+        return (*counts, "", "", "", "")
+    took = [result["planning_time_s"] for result in solved]
+    return (
+        *counts,
+        seconds(quantile(took, 0.5)),
+        seconds(max(took)),
+        count(quantile([result["actions"] for result in solved], 0.5)),
+        count(max(result["peak_mb"] for result in group)),
+    )
+
+
+def _searched(group: list[Result]) -> tuple[str, ...]:
+    solved = [result for result in group if result["solved"]]
+    rates = [r["expanded"] / r["planning_time_s"] for r in solved if r["planning_time_s"]]
+    widths = [sum(r.get("widths", {}).get(str(k), 0) for r in solved) for k in range(3)]
+    if not solved:
+        return "", "", ""
+    nodes = quantile([result["expanded"] for result in solved], 0.5)
+    rate = quantile(rates, 0.5) if rates else None
+    return count(nodes), count(rate), "; ".join(map(str, widths))

@@ -6,10 +6,7 @@ from collections.abc import Sequence
 from statistics import median
 from typing import Any
 
-WIDTH, HEIGHT, LEFT, BOTTOM, TOP = 640, 360, 64, 48, 24
-
-MARK = "<!-- sketchlang bench scaling -->"
-"""In every plot: a picture without it is somebody's own."""
+from runtime.bench.picture import BOTTOM, HEIGHT, LEFT, TOP, WIDTH, document
 
 
 def scaling_plot(results: Sequence[dict[str, Any]], sizes: Sequence[int]) -> str:
@@ -27,13 +24,7 @@ def scaling_plot(results: Sequence[dict[str, Any]], sizes: Sequence[int]) -> str
         for n, g in rows
     ]
     nodes = [(n, median(r["expanded"] / max(1, r["objects_moved"]) for r in g)) for n, g in rows]
-    parts = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH}" height="{HEIGHT}" '
-        'font-family="sans-serif" font-size="12">',
-        MARK,
-        f'<rect width="{WIDTH}" height="{HEIGHT}" fill="white"/>',
-        f'<text x="{WIDTH / 2}" y="{HEIGHT - 10}" text-anchor="middle">objects</text>',
-    ]
+    parts: list[str] = []
     if rows:
         right = max(n for n, _ in time)
         parts += _curve(time, right, "#1f77b4", "ms an object moved", 0)
@@ -43,9 +34,7 @@ def scaling_plot(results: Sequence[dict[str, Any]], sizes: Sequence[int]) -> str
             parts.append(
                 f'<text x="{x}" y="{HEIGHT - BOTTOM + 16}" text-anchor="middle">{n}</text>'
             )
-    axis = f"M{LEFT},{TOP} V{HEIGHT - BOTTOM} H{WIDTH - 20}"
-    parts.append(f'<path d="{axis}" stroke="black" fill="none"/>')
-    return "\n".join([*parts, "</svg>"]) + "\n"
+    return document(parts, "objects")
 
 
 def _x(n: float, right: float) -> float:

@@ -148,6 +148,11 @@ def end_with_parent(life: Connection) -> None:
         os._exit(1)
 
     threading.Thread(target=watch, daemon=True).start()
+    end_with_parent_process()
+
+
+def end_with_parent_process() -> None:
+    """The same by a signal from the kernel, where it can."""
     if sys.platform == "linux":  # at once, also within long calls of native code
         with suppress(OSError, AttributeError):
             ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)

@@ -3,14 +3,46 @@
 from __future__ import annotations
 
 import os
+from collections import Counter
 from collections.abc import Callable, Iterable
 from typing import Any
 
+from runtime.bench.job import Job, Result, new_result
 from runtime.bench.pool import run_jobs
-from runtime.bench.store import Job, Result, Store, new_result
+from runtime.bench.store import Store
 
 GRACE = 300.0
 """Seconds that a run may take beyond its time limit: kernels are compiled, plans certified."""
+
+Lost = list[tuple[Job, str]]
+"""Jobs without a result, and why."""
+
+
+def seconds_for(job: Job) -> float:
+    """How long a job may take all in all."""
+    return job.timeout + GRACE
+
+
+def pending(jobs: Iterable[Job], store: Store) -> list[Job]:
+    """The jobs that have no result in a store yet, each once."""
+    return [job for job in dict.fromkeys(jobs) if job not in store.results]
+
+
+def keeper(store: Store, done: Callable[[Result], None]) -> Callable[[Job, dict[str, Any]], None]:
+    """Keeps a result: it is on the disk before anybody is told of it."""
+
+    def keep(job: Job, values: dict[str, Any]) -> None:
+        result = new_result(job, values)
+        store.append(result)
+        done(result)
+
+    return keep
+
+
+def one_core() -> None:
+    """Planning times are those of one core: for processes that are started from now on."""
+    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"):
+        os.environ.setdefault(name, "1")
 
 
 def run_all(
@@ -19,22 +51,14 @@ def run_all(
     processes: int,
     done: Callable[[Result], None],
     work: Callable[[Job], dict[str, Any]] | None = None,
-) -> list[tuple[Job, str]]:
+) -> Lost:
     """Run jobs that have no result in a store yet and append each result when it is ready.
 
     Whoever kills this loses only what is running. Returns the jobs without a result, and why.
     """
-    pending = [job for job in dict.fromkeys(jobs) if job not in store.results]
-    # Planning times are those of one core.
-    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"):
-        os.environ.setdefault(name, "1")
-
-    def keep(job: Job, values: dict[str, Any]) -> None:
-        result = new_result(job, values)
-        store.append(result)
-        done(result)
-
-    return run_jobs(pending, processes, work or run_job, keep, lambda job: job.timeout + GRACE)
+    one_core()
+    todo = pending(jobs, store)
+    return run_jobs(todo, processes, work or run_job, keeper(store, done), seconds_for)
 
 
 def run_job(job: Job) -> dict[str, Any]:
@@ -43,13 +67,19 @@ def run_job(job: Job) -> dict[str, Any]:
     from runtime.search.limits import Limits
     from runtime.solve import open_task
     from sketchlang.analysis.limits import peak_memory_mb
-    from sketchlang.loader import load_sketch
+    from sketchlang.loader import PDDL, load_sketch, pddl_domain_of
 
-    task = open_task(load_sketch(job.sketch).checked, job.scene, job.seed)
-    result = task.solve(Limits(timeout=job.timeout), job.planner)
+    scene, file = job.located(job.scene), job.located(job.domain)
+    domain = pddl_domain_of(scene) if scene.endswith(PDDL) else None
+    checked = load_sketch(job.located(job.sketch), file or None, domain).checked
+    task = open_task(checked, scene, job.seed, job.located(job.robot) or None)
+    result = task.solve(Limits(timeout=job.timeout, k_max=job.k_max), job.planner)
     report = make_report(result)
-    moved = {getattr(a, "object", None) for s in result.outcome.subgoals for a in s.actions[-1:]}
+    subgoals = result.outcome.subgoals
+    moved = {getattr(action, "object", None) for s in subgoals for action in s.actions}
     report["objects_moved"] = len(moved - {None})
+    widths = Counter(0 if len(s.actions) == 1 else s.width for s in subgoals)
+    report["widths"] = {str(width): count for width, count in sorted(widths.items())}
     if result.solved:
         verdict = result.plan.validate()
         report["valid"] = verdict.valid

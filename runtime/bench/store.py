@@ -15,10 +15,11 @@ import os
 import stat
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NoReturn
 
+from runtime.bench.job import KEYS, Job, Result, Versions, key
 from sketchlang.errors import InputError
 from sketchlang.reading import inputs
 
@@ -27,25 +28,6 @@ BEGINNINGS = (b'{"job": {"sketch": "', b'{"sketch": "')
 """How lines begin: only what looks like a part of one is taken for a line that was cut off."""
 
 STEP = ("calls", "successes", "time_s")
-
-
-@dataclass(frozen=True, order=True)
-class Job:
-    """One planning: everything that its result depends on, given the version."""
-
-    sketch: str
-    scene: str
-    planner: str
-    seed: int
-    timeout: float
-
-
-Result = dict[str, Any]
-
-
-def key(result: Result) -> Job:
-    """The job that a result belongs to."""
-    return Job(**result["job"])
 
 
 @dataclass
@@ -217,13 +199,7 @@ def _checked(result: Any) -> Result:
     """The same value; raises `ValueError` if it is not what tables are made of."""
     if not isinstance(result, dict) or not isinstance(result.get("job"), dict):
         raise ValueError("is not a line of results")
-    job = result["job"]
-    if job.keys() != Job.__dataclass_fields__.keys():
-        raise ValueError("`job` has not the keys of a run")
-    for name in ("sketch", "scene", "planner"):
-        _require(job, name, isinstance(job[name], str))
-    _require(job, "seed", _is_count(job["seed"]))
-    _require(job, "timeout", _is_number(job["timeout"]))
+    _check_job(result["job"])
     for name in ("scene", "planner"):
         _require(result, name, isinstance(result.get(name), str))
     _require(result, "solved", isinstance(result.get("solved"), bool))
@@ -239,6 +215,19 @@ def _checked(result: Any) -> Result:
     profile = result.get("profile")
     _require(result, "profile", isinstance(profile, dict) and all(map(_is_step, profile.values())))
     return result
+
+
+def _check_job(job: dict[str, Any]) -> None:
+    if job.keys() != set(KEYS):
+        raise ValueError("`job` has not the keys of a run, or those of an older version")
+    for name in ("sketch", "scene", "planner", "robot", "domain"):
+        _require(job, name, isinstance(job[name], str))
+    _require(job, "seed", _is_count(job["seed"]))
+    _require(job, "k_max", _is_count(job["k_max"]))
+    _require(job, "timeout", _is_number(job["timeout"]))
+    versions = job["versions"]
+    named = isinstance(versions, dict) and versions.keys() == Versions.__dataclass_fields__.keys()
+    _require(job, "versions", named and all(isinstance(v, str) for v in versions.values()))
 
 
 def _require(_owner: dict[str, Any], name: str, holds: bool) -> None:
@@ -261,8 +250,3 @@ def _is_number(value: object) -> bool:
 
 def _unwritable(path: Path, error: OSError) -> InputError:
     return InputError(f"cannot be written: {error.strerror or error}", place=str(path))
-
-
-def new_result(job: Job, values: dict[str, Any]) -> Result:
-    """A result as stores have them: what was found, with the job."""
-    return values | {"job": asdict(job)}

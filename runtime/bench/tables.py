@@ -1,49 +1,130 @@
-"""Tables of benchmark results, in Markdown."""
+"""The tables of benchmark results."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from statistics import median
-from typing import Any
+from collections.abc import Callable, Iterable, Sequence
 
-from runtime.bench.paper import ROWS
+from runtime.bench.job import Result
+from runtime.bench.paper import PUBLISHED, SYSTEMS
+from runtime.bench.statistics import quantile
+from runtime.bench.summary import Case, Summary, grouped, seconds_of, summarise
+from runtime.bench.table import Table, count, percent, seconds, span, varying
 
-Result = dict[str, Any]
-
-
-def main_table(results: Sequence[Result]) -> list[str]:
-    """The paper's columns, and its figures beside ours."""
-    lines = [
-        "| scene | planner | solved | certified | planning s (median; worst) | paper min "
-        "| execution min | paper min | total min | expanded | paper | subplans | paper |",
-        "|---|---|---|---|---|---|---|---|---|---|---|---|---|",
-    ]
-    for (scene, planner), group in _groups(results):
-        solved = [result for result in group if result["solved"]]
-        valid = sum(bool(result.get("valid")) for result in solved)
-        paper = ROWS.get((scene, planner))
-        cells = [scene, planner, f"{len(solved)}/{len(group)}", f"{valid}/{len(solved)}"]
-        if solved:
-            planning = [result["planning_time_s"] for result in solved]
-            execution = median(result["execution_time_s"] for result in solved) / 60
-            cells += [
-                f"{median(planning):.2f}; {max(planning):.2f}",
-                f"{paper.planning_min:.2f}" if paper else "",
-                f"{execution:.1f}",
-                f"{paper.execution_min:.1f}" if paper else "",
-                f"{execution + median(planning) / 60:.1f}",
-                f"{median(result['expanded'] for result in solved):.0f}",
-                str(paper.expanded) if paper else "",
-                f"{median(result['subplans'] for result in solved):.0f}",
-                str(paper.subplans) if paper else "",
-            ]
-        else:
-            cells += [""] * 9
-        lines.append("| " + " | ".join(cells) + " |")
-    return lines
+LABELS = ("sketch", "scene", "robot", "planner", "timeout")
 
 
-def profile_table(results: Iterable[Result]) -> list[str]:
+def solved_table(summaries: Sequence[Summary]) -> Table:
+    """Who solves what, and how many of the plans are certified."""
+    return _table(
+        "Solved",
+        summaries,
+        ("solved", "95 %", "certified"),
+        lambda s: (f"{s.solved}/{s.runs}", percent(s.share), f"{s.certified}/{s.solved}"),
+        "95 %: exact binomial interval of the share solved (Clopper-Pearson).",
+    )
+
+
+def time_table(summaries: Sequence[Summary]) -> Table:
+    """How fast."""
+    return _table(
+        "Planning, seconds",
+        summaries,
+        ("median", "quartiles", "95 %", "worst"),
+        _times,
+        "Over all runs; one that is not solved counts as longer than its limit. 95 %: exact "
+        "interval of the median by order statistics, from six runs on.",
+    )
+
+
+def _times(s: Summary) -> tuple[str, ...]:
+    limit = s.case.timeout
+    return (
+        seconds(s.median, limit),
+        span(s.quartiles, limit),
+        span(s.interval, limit),
+        seconds(s.worst, limit),
+    )
+
+
+def effort_table(summaries: Sequence[Summary]) -> Table:
+    """What it took, and what came of it."""
+    names = ("expanded", "subplans", "actions", "execution_time_s")
+    return _table(
+        "Effort and plans",
+        summaries,
+        ("expanded", "subplans", "actions", "execution s"),
+        lambda s: tuple(count(s.measured.get(name)) for name in names),
+        "Medians over the solved runs.",
+    )
+
+
+def _table(
+    title: str,
+    summaries: Sequence[Summary],
+    columns: tuple[str, ...],
+    cells: Callable[[Summary], tuple[str, ...]],
+    note: str,
+) -> Table:
+    labels, told = varying(LABELS, [_labels(s.case) for s in summaries])
+    rows = tuple((*label, *cells(s)) for label, s in zip(told, summaries, strict=True))
+    return Table(title, (*labels, *columns), rows, len(labels), (note,))
+
+
+def _labels(case: Case) -> tuple[str, ...]:
+    return case.sketch, case.scene, case.robot, case.planner, f"{case.timeout:g} s"
+
+
+def beside_paper(summaries: Sequence[Summary]) -> Table:
+    """Every system of the paper's table, and what ran here."""
+    scenes = list(dict.fromkeys(s.case.scene for s in summaries))
+    names = {planner: system for system, planner in SYSTEMS.items()}
+    rows = []
+    for scene in scenes:
+        for s in (s for s in summaries if s.case.scene == scene):
+            planned = s.median if s.solved else None
+            execution = s.measured.get("execution_time_s")
+            rows.append(
+                (
+                    scene,
+                    names.get(s.case.planner, s.case.planner),
+                    "here",
+                    f"{100 * s.solved / s.runs:.0f} %",
+                    _minutes(None if planned is None or planned > s.case.timeout else planned / 60),
+                    _minutes(None if execution is None else execution / 60),
+                    count(s.measured.get("expanded")),
+                    count(s.measured.get("subplans")),
+                )
+            )
+        rows += [
+            (
+                scene,
+                p.system,
+                "paper",
+                f"{p.solved} %",
+                _minutes(p.planning_min),
+                _minutes(p.execution_min),
+                count(p.expanded),
+                count(p.subplans),
+            )
+            for p in PUBLISHED
+            if p.scene == scene
+        ]
+    columns = ("scene", "system", "from", "solved", "plan", "exec", "nodes", "subplans")
+    note = (
+        "Minutes to plan and to carry out. here: medians, on this machine. paper: its averages "
+        "over ten runs of at most 30 minutes, on an Intel i7-10610U; BFWS, Planet and PDDLStream "
+        "are not run here but where their planner says `here`."
+    )
+    return Table("Beside the systems of the paper", columns, tuple(rows), 3, (note,))
+
+
+def _minutes(value: float | None) -> str:
+    if value is None:
+        return ""
+    return f"{value:.2f}" if value >= 0.095 else f"{value:.1g}"
+
+
+def profile_table(results: Iterable[Result]) -> Table:
     """The paper's second table: what each step of X costs and lets through."""
     totals: dict[tuple[str, str], list[float]] = {}
     for result in results:
@@ -52,20 +133,24 @@ def profile_table(results: Iterable[Result]) -> list[str]:
             row[0] += numbers["calls"]
             row[1] += numbers["successes"]
             row[2] += numbers["time_s"]
-    lines = ["| planner | step | calls | success | time a call |", "|---|---|---|---|---|"]
-    for (planner, step), (calls, successes, seconds) in totals.items():
-        if calls:
-            share, each = 100 * successes / calls, 1e6 * seconds / calls
-            lines.append(
-                f"| {planner} | {step} | {calls:.0f} | {share:.0f} % | {_duration(each)} |"
-            )
-    return lines
+    rows = tuple(
+        (
+            planner,
+            step,
+            f"{calls:.0f}",
+            f"{100 * successes / calls:.0f} %",
+            _duration(1e6 * spent / calls),
+        )
+        for (planner, step), (calls, successes, spent) in totals.items()
+        if calls
+    )
+    return Table("Steps of X", ("planner", "step", "calls", "success", "time a call"), rows)
 
 
-def share_table(results: Sequence[Result]) -> list[str]:
+def share_table(results: Sequence[Result]) -> Table:
     """Where the planning time goes: the steps of X, and the rest (features, samples, search)."""
-    lines = ["| scene | planner | MotionPlan | InverseKinematics | rest |", "|---|---|---|---|---|"]
-    for (scene, planner), group in _groups(results):
+    rows = []
+    for case, group in grouped(results).items():
         total = sum(result["planning_time_s"] for result in group)
         if not total:
             continue
@@ -73,47 +158,56 @@ def share_table(results: Sequence[Result]) -> list[str]:
             sum(result["profile"].get(step, {}).get("time_s", 0.0) for result in group) / total
             for step in ("motion_plan", "inverse_kinematics")
         ]
-        cells = " | ".join(f"{100 * share:.0f} %" for share in [*shares, 1 - sum(shares)])
-        lines.append(f"| {scene} | {planner} | {cells} |")
-    return lines
+        cells = (f"{100 * share:.0f} %" for share in [*shares, 1 - sum(shares)])
+        rows.append((case.scene, case.planner, *cells))
+    columns = ("scene", "planner", "MotionPlan", "InverseKinematics", "rest")
+    return Table("Where the planning time goes", columns, tuple(rows))
 
 
-def ratio_lines(results: Sequence[Result]) -> list[str]:
-    """How much longer SIW_R plans than Lazy-SIIW_R, scene by scene."""
+def ratio_table(results: Sequence[Result]) -> Table:
+    """How much longer every planner takes than Lazy-SIIW_R, scene by scene."""
     medians = {
-        name: median(result["planning_time_s"] for result in group if result["solved"])
-        for name, group in _groups(results)
+        case: quantile([seconds_of(result) for result in group if result["solved"]], 0.5)
+        for case, group in grouped(results).items()
         if any(result["solved"] for result in group)
     }
-    lines = []
-    for (scene, planner), seconds in medians.items():
-        lazy = medians.get((scene, "lazy-siiw-r"))
-        if planner == "siw-r" and lazy:
-            lines.append(f"{scene}: SIW_R takes {seconds / lazy:.1f} times as long as Lazy-SIIW_R")
-    return lines
+    lazy = {case.scene: value for case, value in medians.items() if case.planner == "lazy-siiw-r"}
+    rows = tuple(
+        (case.scene, case.planner, f"{value / lazy[case.scene]:.1f}")
+        for case, value in medians.items()
+        if case.planner != "lazy-siiw-r" and lazy.get(case.scene)
+    )
+    title = "Planning time, in that of Lazy-SIIW_R"
+    return Table(title, ("scene", "planner", "times"), rows, 2, ("Medians over the solved runs.",))
 
 
-def scaling_table(results: Sequence[Result]) -> list[str]:
+def scaling_table(results: Sequence[Result]) -> Table:
     """Time, nodes and memory against the number of objects."""
-    lines = [
-        "| objects | moved | solved | planning s | ms an object moved | expanded an object moved "
-        "| peak MB |",
-        "|---|---|---|---|---|---|---|",
-    ]
-    for (scene, _), group in _groups(results):
-        solved = [result for result in group if result["solved"]]
-        if not solved:
-            lines.append(f"| {size_of(scene)} | | 0/{len(group)} | | | | |")
+    rows = []
+    for s in summarise(results):
+        size = str(size_of(s.case.scene))
+        solved = f"{s.solved}/{s.runs}"
+        if not s.solved:
+            rows.append((size, s.case.planner, "", solved, "", "", "", ""))
             continue
-        moved = max(1.0, median(result["objects_moved"] for result in solved))
-        seconds = median(result["planning_time_s"] for result in solved)
-        expanded = median(result["expanded"] for result in solved)
-        lines.append(
-            f"| {size_of(scene)} | {moved:.0f} | {len(solved)}/{len(group)} | {seconds:.2f} "
-            f"| {1000 * seconds / moved:.0f} | {expanded / moved:.1f} "
-            f"| {max(result['peak_mb'] for result in solved)} |"
+        group = [r for r in grouped(results)[s.case] if r["solved"]]
+        moved = max(1.0, s.measured["objects_moved"])
+        took = quantile([r["planning_time_s"] for r in group], 0.5)
+        rows.append(
+            (
+                size,
+                s.case.planner,
+                f"{moved:.0f}",
+                solved,
+                seconds(took),
+                f"{1000 * took / moved:.0f}",
+                f"{s.measured['expanded'] / moved:.1f}",
+                count(max(r["peak_mb"] for r in group)),
+            )
         )
-    return lines
+    columns = ("objects", "planner", "moved", "solved", "s", "ms each", "nodes each", "peak MB")
+    note = "Medians over the solved runs; each: for an object moved."
+    return Table("Growing scenes", columns, tuple(rows), 2, (note,))
 
 
 def size_of(scene: str) -> int:
@@ -121,11 +215,16 @@ def size_of(scene: str) -> int:
     return int(scene.rsplit("/", 1)[-1].removesuffix(".toml").split("-")[1])
 
 
-def _groups(results: Sequence[Result]) -> list[tuple[tuple[str, str], list[Result]]]:
-    groups: dict[tuple[str, str], list[Result]] = {}
-    for result in results:
-        groups.setdefault((result["job"]["scene"], result["planner"]), []).append(result)
-    return list(groups.items())
+def tables_of(kind: str, results: Sequence[Result]) -> list[Table]:
+    """The tables of a suite of a kind, those without rows left out."""
+    summaries = summarise(results)
+    found = [solved_table(summaries), time_table(summaries), effort_table(summaries)]
+    if kind == "scaling":
+        found = [scaling_table(results), profile_table(results), share_table(results)]
+    if kind == "paper":
+        found += [beside_paper(summaries), profile_table(results), share_table(results)]
+        found.append(ratio_table(results))
+    return [table for table in found if table.rows]
 
 
 def _duration(microseconds: float) -> str:

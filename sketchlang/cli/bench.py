@@ -1,10 +1,14 @@
-"""`sketchlang bench SUITE`: run scenes x planners x seeds and print the tables."""
+"""`sketchlang bench SUITE`: run sketches x scenes x planners x robots x seeds, print the tables."""
 
 from __future__ import annotations
 
+import json
 import os
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -12,46 +16,78 @@ from sketchlang import reading
 from sketchlang.cli import names
 from sketchlang.cli.common import Number, fail, interruptible, say
 
+if TYPE_CHECKING:
+    from runtime.bench.comparison import Compared
+    from runtime.bench.job import Job, Result
+    from runtime.bench.runner import Lost
+    from runtime.bench.store import Store
+    from runtime.bench.suite import Suite
+    from runtime.bench.table import Table
 
-class Bench(click.Command):
-    """The command; its suite `kinder` is one with options of its own."""
+FORMATS = ("md", "csv", "latex", "json")
+RUN = "run"
 
-    def make_context(
-        self,
-        info_name: str | None,
-        args: list[str],
-        parent: click.Context | None = None,
-        **extra: Any,
-    ) -> click.Context:
-        if args[:1] == ["kinder"]:
+
+class BenchGroup(click.Group):
+    """`bench SUITE` is `bench run SUITE`; `kinder` is a suite with options of its own."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return [*super().list_commands(ctx), "kinder"]
+
+    def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
+        if name == "kinder":
             from sketchlang.cli import kinder
 
-            return kinder.command.make_context(f"{info_name} kinder", args[1:], parent, **extra)
-        return super().make_context(info_name, args, parent, **extra)
+            return kinder.command
+        return super().get_command(ctx, name)
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Put in the command that may be left out."""
+        if args and args[0] not in [*self.list_commands(ctx), *ctx.help_option_names]:
+            args = [RUN, *args]
+        return super().parse_args(ctx, args)
+
+    def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """The options of `run`, and the commands."""
+        self.commands[RUN].format_options(ctx, formatter)
+        self.format_commands(ctx, formatter)
 
 
-@click.command(
-    cls=Bench,
-    epilog="""\b
-Examples:
-  sketchlang bench paper --seeds 10
-  sketchlang bench paper --planner siw-r --scene sorting/4t-07 --seeds 3
-  sketchlang bench scaling --jobs 1
-  sketchlang bench ipc --tasks FOLDER
-  sketchlang bench kinder --help
-Run the same command again after an interruption: finished runs are not repeated.
-""",
-)
-@click.argument("suite", type=click.Choice(["paper", "scaling", "ipc"]))
-@click.option(
-    "--seeds", type=click.IntRange(1, 10_000), help="Runs of each; 10, and 3 for scaling."
-)
+@click.group("bench", cls=BenchGroup, no_args_is_help=True, subcommand_metavar="SUITE | COMMAND")
+def command() -> None:
+    """Run the benchmark SUITE in parallel processes, one core a run.
+
+    SUITE is a TOML file with sketches, scenes, planners, robots and seeds (see
+    docs/howto-benchmark.md), or one that comes along. `paper`: the eight scenes of the paper.
+    `baselines`: the same with planners that know no sketch. `scaling`: generated sorting scenes
+    with 10 to 200 objects. `ipc`: the PDDL tasks of a folder, each with its `domain.pddl` beside
+    it; `--sketch siw` and `--sketch iw` know nothing of a domain.
+
+    \b
+    Examples:
+      sketchlang bench my.toml
+      sketchlang bench my.toml --format latex
+      sketchlang bench paper --planner siw-r --scene sorting/4t-07 --seeds 3
+      sketchlang bench ipc --tasks FOLDER
+      sketchlang bench kinder --help
+      sketchlang bench compare before.jsonl after.jsonl
+
+    Run the same command again after an interruption: finished runs are not repeated, unless the
+    sketch, the scene, the robot or this tool has changed.
+
+    Exit 0: every run has a result. 1: some have none. 2: bad input.
+    """
+
+
+@command.command(RUN, help=command.help)
+@click.argument("suite", shell_complete=names.suites)
+@click.option("--seeds", type=click.IntRange(1, 10_000), help="So many runs of each.")
 @click.option(
     "--planner",
     "planners",
     multiple=True,
     shell_complete=names.planners,
-    help="Only these planners.",
+    help="These planners.",
 )
 @click.option(
     "--scene", "scenes", multiple=True, shell_complete=names.scenes, help="Only these scenes."
@@ -65,20 +101,27 @@ Run the same command again after an interruption: finished runs are not repeated
     help="ipc: this one for all tasks; else the built-in one of the domain.",
 )
 @click.option("--jobs", type=click.IntRange(1, 256), help="Processes; as many as there are cores.")
+@click.option("--timeout", type=Number(min=0, max=999_999, min_open=True), help="Seconds a run.")
 @click.option(
-    "--timeout",
-    type=Number(min=0, max=1e6, min_open=True),
-    default=120.0,
+    "--scheduler",
+    metavar="ADDRESS",
+    help="Run on the workers of a dask.distributed scheduler (tcp://HOST:PORT).",
+)
+@click.option(
+    "--format",
+    "shape",
+    type=click.Choice(FORMATS),
+    default="md",
     show_default=True,
-    help="Seconds a run.",
+    help="What is printed.",
 )
 @click.option(
     "--out",
     type=click.Path(path_type=Path, dir_okay=False),
-    help="Results, one JSON object a line; bench-SUITE.jsonl.",
+    help="Results, one JSON object a line; bench-NAME.jsonl. The plot lies beside it.",
 )
 @interruptible
-def command(
+def run(
     suite: str,
     seeds: int | None,
     planners: tuple[str, ...],
@@ -86,88 +129,159 @@ def command(
     tasks: Path | None,
     sketch: str | None,
     jobs: int | None,
-    timeout: float,
+    timeout: float | None,
+    scheduler: str | None,
+    shape: str,
     out: Path | None,
 ) -> None:
-    """Run the benchmark SUITE in parallel processes, one core a run.
-
-    `paper`: the eight scenes of the paper with both planners. `scaling`: generated sorting
-    scenes with 10 to 200 objects. `ipc`: the PDDL tasks of a folder, each with its `domain.pddl`
-    beside it; `--sketch siw` and `--sketch iw` know nothing of a domain.
-
-    Exit 0: every run has a result. 1: some have none. 2: bad input.
-    """
-    import sys
-
-    from domains.tabletop.scene.generate import sorting_scene
-    from runtime.bench import store, tables
-    from runtime.bench.runner import run_all
-    from runtime.bench.suites import jobs_of
+    """As the group's."""
+    from runtime.bench import store
     from sketchlang.errors import InputError
 
-    path = out or Path(f"bench-{suite}.jsonl")
     if (suite == "ipc") != (tasks is not None):
         fail("--tasks FOLDER names the tasks of the suite ipc, and belongs to no other")
     if suite != "ipc" and sketch is not None:
         fail("--sketch belongs to the suite ipc")
-    picture = path.with_suffix(".svg") if suite == "scaling" else None
+    if scheduler is not None and jobs is not None:
+        fail("--jobs: with --scheduler, its workers are as many as run")
     try:
-        if picture is not None:
-            _refuse_other_pictures(path, picture)
-        work = None
-        if tasks is not None:
-            from domains.pddl import bench as ipc
-
-            work = ipc.run_job
-            wanted = ipc.jobs_of(tasks, sketch, (planners or ("siw-r",))[0], timeout)
-        else:
-            wanted = jobs_of(suite, seeds, planners, scenes, timeout, path, sorting_scene)
+        _refuse_unknown(planners)
+        path = out or Path(f"bench-{Path(suite).stem}.jsonl")
+        picture = path.with_suffix(".svg")
+        _refuse_other_pictures(path, picture)
+        found = _suite(suite, path.parent, tasks, sketch)
+        wanted = found.narrowed(planners, scenes, seeds, timeout).jobs()
         with store.opened(path, lambda: say(f"waiting: {path} is in use", err=True)) as results:
-            todo = sum(job not in results.results for job in wanted)
-            if todo < len(wanted):
-                say(f"{len(wanted) - todo} of {len(wanted)} are in {path}", err=True)
-            with click.progressbar(
-                length=todo, label="runs", show_eta=True, file=sys.stderr
-            ) as progress:
-                processes = jobs or os.cpu_count() or 1
-                lost = run_all(wanted, results, processes, lambda _: progress.update(1), work)
+            lost = _run(wanted, results, jobs, scheduler)
         chosen = [results.results[job] for job in wanted if job in results.results]
-        _show(suite, chosen)
-        if picture is not None:
-            from runtime.bench.plot import scaling_plot
-            from sketchlang.files import write_text
-
-            write_text(picture, scaling_plot(chosen, [tables.size_of(r["scene"]) for r in chosen]))
-            say("", f"plot: {picture}")
+        Shown(found, chosen, lost).show(shape)
+        _draw(found, chosen, picture, quiet=shape != "md")
     except InputError as error:
         fail(error)
-    for result in chosen:
-        if not (result["solved"] and result.get("valid")):
-            reason = result.get("reason") or "; ".join(result.get("findings", []))
-            say(f"{result['scene']} {result['planner']} seed {result['seed']}: {reason}")
-    for job, reason in lost:
-        say(f"{job.scene} {job.planner} seed {job.seed}: no result, {reason}", err=True)
     raise SystemExit(1 if lost else 0)
 
 
-def _show(suite: str, results: list[dict[str, Any]]) -> None:
-    """Print the tables."""
-    from runtime.bench import tables
+def _refuse_unknown(planners: Sequence[str]) -> None:
+    from sketchlang.errors import InputError
+    from sketchlang.suggest import did_you_mean
 
-    if suite == "ipc":
-        from domains.pddl import bench as ipc
+    for planner in planners:
+        if planner not in names.PLANNERS:
+            known = f"planners: {', '.join(names.PLANNERS)}"
+            hint = did_you_mean(planner, names.PLANNERS) or known
+            raise InputError(f"there is no planner {planner!r}", hint=hint)
 
-        say(*ipc.table(results))
-        return
-    first = tables.scaling_table if suite == "scaling" else tables.main_table
-    parts = [first(results), tables.profile_table(results), tables.share_table(results)]
-    for number, part in enumerate(part for part in [*parts, tables.ratio_lines(results)] if part):
-        say(*([""] if number else []), *part)
+
+def _suite(name: str, folder: Path, tasks: Path | None, sketch: str | None) -> Suite:
+    """The suite of a name or a file."""
+    from runtime.bench.suite_file import BUILT_IN, built_in_suite, read_suite
+    from sketchlang.errors import InputError
+    from sketchlang.suggest import did_you_mean
+
+    if tasks is not None:
+        from domains.pddl.bench import suite_of
+
+        return suite_of(tasks, sketch)
+    if name == "scaling":
+        from domains.tabletop.scene.generate import sorting_scene
+        from runtime.bench.scaling import scaling_suite
+
+        return scaling_suite(folder, sorting_scene)
+    if name in BUILT_IN:
+        return built_in_suite(name)
+    if not name.endswith(".toml") and not os.path.exists(name):
+        known = did_you_mean(name, names.SUITES) or f"built in: {', '.join(names.SUITES)}"
+        raise InputError(f"there is no suite {name!r}, neither a file nor built in", hint=known)
+    return read_suite(Path(name))
+
+
+def _run(wanted: list[Job], results: Store, jobs: int | None, scheduler: str | None) -> Lost:
+    from runtime.bench.runner import run_all
+
+    todo = sum(job not in results.results for job in wanted)
+    if todo < len(wanted):
+        say(f"{len(wanted) - todo} of {len(wanted)} are in {results.path}", err=True)
+    with click.progressbar(length=todo, label="runs", show_eta=True, file=sys.stderr) as progress:
+
+        def done(_: Result) -> None:
+            progress.update(1)
+
+        if scheduler is None:
+            return run_all(wanted, results, jobs or os.cpu_count() or 1, done)
+        from runtime.bench.scheduler import run_on
+
+        return run_on(scheduler, wanted, results, done)
+
+
+@dataclass(frozen=True)
+class Shown:
+    """What came of a suite, and how it is printed."""
+
+    suite: Suite
+    results: list[Result]
+    lost: Lost
+
+    def show(self, shape: str) -> None:
+        """Print it: the data on standard output, what else there is to say beside it."""
+        from runtime.bench.summary import summarise
+        from runtime.bench.write.data import as_csv, as_json
+
+        if shape == "csv":
+            say(*as_csv(summarise(self.results)))
+        elif shape == "json":
+            without = [
+                {"scene": job.scene, "planner": job.planner, "seed": job.seed, "reason": reason}
+                for job, reason in self.lost
+            ]
+            click.echo(as_json(self.suite.name, summarise(self.results), without))
+        else:
+            _print(self.tables(), shape)
+        for result in self.results:
+            if not (result["solved"] and result.get("valid")):
+                reason = result.get("reason") or "; ".join(result.get("findings", []))
+                about = f"{result['job']['scene']} {result['planner']} seed {result['seed']}"
+                say(f"{about}: {reason}", err=shape != "md")
+        for job, reason in self.lost:
+            say(f"{job.scene} {job.planner} seed {job.seed}: no result, {reason}", err=True)
+
+    def tables(self) -> list[Table]:
+        """The tables of the suite."""
+        if self.suite.tables == "ipc":
+            from domains.pddl import bench as ipc
+
+            return ipc.tables(self.results)
+        from runtime.bench.tables import tables_of
+
+        return tables_of(self.suite.tables, self.results)
+
+
+def _print(tables: list[Table], shape: str) -> None:
+    """Print tables, an empty line between two of them."""
+    from runtime.bench.write.latex import latex
+    from runtime.bench.write.markdown import markdown
+
+    write = latex if shape == "latex" else markdown
+    for number, table in enumerate(tables):
+        say(*([""] if number else []), *write(table))
+
+
+def _draw(suite: Suite, results: list[Result], picture: Path, quiet: bool) -> None:
+    from runtime.bench.plot import scaling_plot
+    from runtime.bench.survival import survival_plot
+    from runtime.bench.tables import size_of
+    from sketchlang.files import write_text
+
+    if suite.tables == "scaling":
+        sizes = [size_of(result["job"]["scene"]) for result in results]
+        write_text(picture, scaling_plot(results, sizes))
+    else:
+        write_text(picture, survival_plot(results))
+    say("", f"plot: {picture}", err=quiet)
 
 
 def _refuse_other_pictures(path: Path, picture: Path) -> None:
     """The plot has a name that nobody gave: it replaces plots only."""
-    from runtime.bench.plot import MARK
+    from runtime.bench.picture import MARK
     from sketchlang.errors import InputError
     from sketchlang.files import check_output
     from sketchlang.reading import read_text
@@ -177,4 +291,64 @@ def _refuse_other_pictures(path: Path, picture: Path) -> None:
     check_output(picture)
     with reading.recording():  # of its own: the picture is read to know it, and may be replaced
         if os.path.lexists(picture) and MARK not in read_text(picture):
-            raise InputError("is here already and not a plot of this suite", place=str(picture))
+            raise InputError("is here already and not a plot of a suite", place=str(picture))
+
+
+@command.command("compare")
+@click.argument("first", metavar="A")
+@click.argument("second", metavar="B")
+@click.option(
+    "--format", "shape", type=click.Choice(("md", "latex", "json")), default="md",
+    show_default=True, help="What is printed.",
+)  # fmt: skip
+@interruptible
+def compare(first: str, second: str, shape: str) -> None:
+    """Compare the results A and B of benchmarks, run by run: the same scene and seed.
+
+    A and B are files of results, as `--out` names them. `FILE:planner=NAME` chooses among the
+    results of a file; sketch, scene and robot can be chosen as well. What is chosen on both sides
+    may differ between the two runs of a pair.
+
+    \b
+    Examples:
+      sketchlang bench compare before.jsonl after.jsonl
+      sketchlang bench compare r.jsonl:planner=siw-r r.jsonl:planner=lazy-siiw-r
+
+    Exit 0: compared. 2: bad input, or no pairs.
+    """
+    from runtime.bench import comparison
+    from runtime.bench.store import read_results
+    from sketchlang.errors import InputError
+
+    try:
+        sides: list[list[Result]] = []
+        choices: list[dict[str, str]] = []
+        for side in (first, second):
+            file, _, words = side.partition(":")
+            if not os.path.lexists(file):
+                raise InputError("no such file", place=file)
+            choices.append(comparison.choice_of(words))
+            sides.append(comparison.chosen(read_results(Path(file)), choices[-1]))
+        pairs = comparison.paired(sides[0], sides[1], set(choices[0]) & set(choices[1]))
+        if not pairs:
+            message = "no run of A has the sketch, scene, planner, robot and seed of one of B"
+            raise InputError(message, hint="choose what may differ: FILE:planner=NAME")
+        found = {scene: comparison.compared(group) for scene, group in pairs.items()}
+        if len(found) > 1:
+            found["all"] = comparison.compared([pair for group in pairs.values() for pair in group])
+    except InputError as error:
+        fail(error)
+    _tell(first, second, found, shape)
+
+
+def _tell(first: str, second: str, found: dict[str, Compared], shape: str) -> None:
+    from runtime.bench.comparison import tables
+
+    if shape == "json":
+        data: dict[str, Any] = {"a": first, "b": second}
+        data["scenes"] = {scene: c.as_data() for scene, c in found.items()}
+        click.echo(json.dumps(data, indent=1))
+        return
+    if shape == "md":
+        say(f"A: {first}", f"B: {second}", "")
+    _print([table for table in tables(found) if table.rows], shape)

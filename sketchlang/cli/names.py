@@ -17,6 +17,9 @@ Completer = Callable[[click.Context, click.Parameter, str], list[CompletionItem]
 PLANNERS = ("lazy-siiw-r", "siw-r", "bfws", "iw", "brfs")
 """As in `runtime.search.planners`, which would take too long to import for one key."""
 
+SUITES = ("paper", "baselines", "scaling", "ipc")
+"""The benchmark suites that come along."""
+
 HOME = Path(__file__).resolve().parents[2]
 
 
@@ -50,6 +53,10 @@ def _planners() -> Iterable[str]:
     return PLANNERS
 
 
+def _suites() -> Iterable[str]:
+    return SUITES
+
+
 def _domains() -> Iterable[str]:
     from sketchlang.loader import domain_names
 
@@ -70,6 +77,7 @@ sketches = _completer(_sketches)
 scenes = _completer(_scenes)
 robots = _completer(_robots)
 planners = _completer(_planners, files=False)
+suites = _completer(_suites)
 domains = _completer(_domains)
 anything = _completer(_anything)
 codes = _completer(_codes, files=False)

@@ -110,7 +110,7 @@ def certificate() -> bytes:
 
 def results() -> bytes:
     """A store of benchmark results."""
-    from runtime.bench.store import new_result
+    from runtime.bench.job import new_result
     from tests.trust.bench_driver import job, values
 
     return "".join(json.dumps(new_result(job(n), values(job(n)))) + "\n" for n in range(3)).encode()
@@ -190,12 +190,18 @@ def read_proof(path: Path) -> None:
 
 def read_store(path: Path) -> None:
     from runtime.bench import store, tables
+    from runtime.bench.write.markdown import markdown
 
     with store.opened(path) as opened:
         found = list(opened.results.values())
-    for table in (tables.main_table, tables.profile_table, tables.share_table):
-        table(found)
-    tables.ratio_lines(found)
+    for table in tables.tables_of("paper", found):
+        markdown(table)
+
+
+def read_suite(path: Path) -> None:
+    from runtime.bench.suite_file import read_suite
+
+    read_suite(path, doubting=False)
 
 
 def read_blocks(path: Path) -> None:
@@ -244,6 +250,7 @@ TARGETS = {
     "certificate": Target(".json", lambda: [certificate()], read_proof),
     "domain": Target(".pddl", files("yard.pddl", SPEC), read_domain),
     "task": Target(".pddl", files("task.pddl", SPEC), read_task),
+    "suite": Target(".toml", files("*.toml", SUITES), read_suite),
     "store": Target(".jsonl", lambda: [results()], read_store),
 }
 

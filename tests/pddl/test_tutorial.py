@@ -12,6 +12,8 @@ from click.testing import CliRunner
 from benchmarks import logistics_tasks
 from domains.pddl import bench
 from runtime.bench import store
+from runtime.bench.job import key, new_result
+from runtime.bench.runner import run_job
 from sketchlang.cli import cli
 
 PAGE = Path(__file__).parents[2] / "docs" / "tutorial-pddl.md"
@@ -48,7 +50,7 @@ def test_the_twenty_tasks_are_solved(folder: Path) -> None:
     (words,) = [words for words in commands() if words[0] == "bench"]
     result = CliRunner().invoke(cli, [*words, "--jobs", "2"])
     assert result.exit_code == 0, result.output
-    assert "| 20/20 | 20/20 |" in result.output
+    assert "20/20 | 20/20 |" in result.output
     runs = [json.loads(line) for line in Path("bench-ipc.jsonl").read_text().splitlines()]
     assert {run["sketch"] for run in runs} == {"stages"}
 
@@ -69,15 +71,15 @@ def test_tasks_are_found_below_links_and_circles(tmp_path: Path) -> None:
     (tmp_path / "here").mkdir()
     (tmp_path / "here" / "tasks").symlink_to(tmp_path / "far")
     (tmp_path / "far" / "back").symlink_to(tmp_path / "here")
-    jobs = bench.jobs_of(tmp_path / "here", None, "siw-r", 60)
-    assert [Path(job.scene).name for job in jobs] == ["p2.pddl", "p10.pddl"]
+    (block,) = bench.suite_of(tmp_path / "here", None).blocks
+    assert [Path(scene).name for scene in block.scenes] == ["p2.pddl", "p10.pddl"]
 
 
 def test_a_benchmark_goes_on_where_it_ended(folder: Path) -> None:
     """Its results are read again by the store that keeps them."""
-    job = bench.jobs_of(Path("tasks"), "tasks/stages.sketch", "siw-r", 60)[0]
+    job = bench.suite_of(Path("tasks"), "tasks/stages.sketch").jobs()[0]
     with store.opened(Path("results.jsonl")) as results:
-        results.append(store.new_result(job, bench.run_job(job)))
+        results.append(new_result(job, run_job(job)))
     (found,) = store.read_results(Path("results.jsonl"))
-    assert store.key(found) == job
+    assert key(found) == job
     assert found["valid"]

@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import Any
 
 from runtime.bench import store
+from runtime.bench.job import Job
 from runtime.bench.runner import run_all
-from runtime.bench.store import Job
 from sketchlang.cli.last import prepare_process
 
 

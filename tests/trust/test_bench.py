@@ -15,10 +15,16 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from runtime.bench import store, tables
-from runtime.bench.plot import MARK, scaling_plot
+from runtime.bench import comparison, store, tables
+from runtime.bench.job import Job, key, new_result
+from runtime.bench.picture import MARK
+from runtime.bench.plot import scaling_plot
 from runtime.bench.pool import run_jobs
-from runtime.bench.store import Job, new_result
+from runtime.bench.summary import summarise
+from runtime.bench.survival import survival_plot
+from runtime.bench.write.data import as_csv, as_json
+from runtime.bench.write.latex import latex
+from runtime.bench.write.markdown import markdown
 from sketchlang.cli import cli
 from sketchlang.errors import InputError
 from tests.trust.bench_driver import job, uneven, values
@@ -51,7 +57,7 @@ def test_what_was_appended_is_read_again(tmp_path) -> None:
     with store.opened(path) as results:
         for number in range(3):
             results.append(new_result(job(number), values(job(number))))
-    assert [store.key(result) for result in store.read_results(path)] == list(map(job, range(3)))
+    assert [key(result) for result in store.read_results(path)] == list(map(job, range(3)))
 
 
 @pytest.mark.parametrize("cut", [1, 20, 200, len(LINES[3]) - 2])
@@ -134,10 +140,14 @@ def test_damaged_stores_are_told_apart_from_good_ones() -> None:
             continue
         assert 0 <= end <= len(data)
         found = list(results.values())
-        for table in (tables.main_table, tables.profile_table, tables.share_table):
-            table(found)
-        tables.ratio_lines(found)
+        for table in (t for kind in ("plain", "paper") for t in tables.tables_of(kind, found)):
+            markdown(table)
+            latex(table)
         scaling_plot(found, [10] * len(found))
+        survival_plot(found)
+        as_csv(summarise(found))
+        as_json("store", summarise(found), [])
+        comparison.chosen(found, {"planner": "siw-r"})
     assert 300 < len(said) < 1000
     assert all(text.startswith("store: line ") and "\n" not in text for text in said)
 
@@ -169,9 +179,11 @@ def test_zero_times_and_counts_make_tables() -> None:
     found = [new_result(job(n), values(job(n)) | none) for n in range(2)]
     for result in found:
         result["job"]["scene"] = "sorting-10.toml"
-    for table in (tables.main_table, tables.share_table, tables.scaling_table, tables.ratio_lines):
-        table(found)
+    for kind in ("plain", "paper", "scaling"):
+        assert all(markdown(table) for table in tables.tables_of(kind, found))
     assert MARK in scaling_plot(found, [10, 10])
+    assert MARK in survival_plot(found)
+    comparison.tables({"all": comparison.compared(list(zip(found, found, strict=True)))})
 
 
 # -- names that nobody gave ----------------------------------------------------------------------

@@ -16,14 +16,14 @@ from tests.trust.workspace import FORMS, Workspace, commands, make
 
 OTHERS = {
     ("new domain", "--into"),
-    ("bench", "--out"),
+    ("bench run", "--out"),
     ("robot import", "--out"),
     ("import dlplan", "--out"),
     ("import runir", "--out"),
     ("import tmp", "--out"),
 }
 """Folders, a store, and what reads other tools' files: these have tests of their own."""
-INPUTS = {("robot import", "--srdf"), ("bench", "--tasks"), ("replay", "--against")}
+INPUTS = {("robot import", "--srdf"), ("bench run", "--tasks"), ("replay", "--against")}
 
 
 def call(*arguments: object) -> Result:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from domains.tabletop.scene.entry import Entry
 from domains.tabletop.scene.furniture import WALL
+from runtime.entry import Entry
 from runtime.world.body import Body
 from runtime.world.load_mesh import load_mesh
 from runtime.world.making import open_box, standing

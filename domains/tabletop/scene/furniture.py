@@ -7,8 +7,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from domains.tabletop.scene.entry import Entry
 from domains.tabletop.scene.model import UprightBox, fixed_box
+from runtime.entry import Entry
 from runtime.world.body import Part
 from runtime.world.making import body_of, open_box
 from runtime.world.poses import compose, upright

@@ -6,7 +6,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from domains.tabletop.scene.entry import Entry, known
 from domains.tabletop.scene.furniture import contains, refuse_far
 from domains.tabletop.scene.model import (
     AnyGoal,
@@ -18,6 +17,7 @@ from domains.tabletop.scene.model import (
     WordGoal,
 )
 from domains.tabletop.scene.objects import Drawn, Placed, point_in, support_named
+from runtime.entry import Entry, known
 
 DEFAULT_TOLERANCE = 0.005
 """Metres; the published tolerance of point goals."""

@@ -10,7 +10,6 @@ import hashlib
 import math
 from pathlib import Path
 
-from domains.tabletop.scene.entry import Document, Entry, known
 from domains.tabletop.scene.furniture import read_furniture, refuse_far
 from domains.tabletop.scene.goals import GoalReader
 from domains.tabletop.scene.model import Scene
@@ -18,6 +17,7 @@ from domains.tabletop.scene.objects import read_objects
 from domains.tabletop.scene.overlaps import note_overlaps
 from domains.tabletop.scene.wanted import wanted_of
 from domains.tabletop.state import FAMILIES
+from runtime.entry import Document, Entry, known
 from runtime.world.world import World
 from sketchlang.reading import read_bytes
 

@@ -11,9 +11,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from domains.tabletop.scene.bodies import orientation, read_body
-from domains.tabletop.scene.entry import Entry, known
 from domains.tabletop.scene.furniture import AIR, Furniture, contains, local, refuse_far
 from domains.tabletop.scene.model import SceneObject, Start, movable
+from runtime.entry import Entry, known
 from runtime.world.body import Body
 from runtime.world.poses import Pose, compose, rotation_from_rpy
 from runtime.world.snap import nearest_stable, resting_pose

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from domains.tabletop.scene.lines import lines_of
 from domains.tabletop.scene.load import load_scene
 from domains.tabletop.scene.model import AnyGoal, HeldGoal, PoseGoal, RegionGoal, Scene
+from runtime.lines import lines_of
 from runtime.world import goals as wanted
 from runtime.world.mesh import body_mesh
 from runtime.world.poses import apply, compose

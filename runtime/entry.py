@@ -1,4 +1,4 @@
-"""Tables of a scene file that go on after a mistake, so that one run tells all of them.
+"""Tables of a TOML file that go on after a mistake, so that one run tells all of them.
 
 A value that is not as it should be is noted as a problem, and a harmless one stands in for it;
 whoever builds something of an entry asks first whether the entry is `sound`.
@@ -11,13 +11,13 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from domains.tabletop.scene.lines import lines_of
+from runtime.lines import lines_of
 from sketchlang.errors import CollectedInputError, InputError
 from sketchlang.reading import read_text, read_toml
 
 
 class Document:
-    """A scene file, and the problems that were found in it so far."""
+    """A TOML file, and the problems that were found in it so far."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -31,6 +31,8 @@ class Document:
         """Remember a problem at a line, in the table shown as `where`."""
         place = str(self.path) if line is None else f"{self.path}:{line}"
         error = InputError(message, place=f"{place}: {where}" if where else place, hint=hint)
+        if any(str(error) == str(known) for _, _, known in self._problems):
+            return  # what stands above several tables is looked at with each of them
         self._problems.append((line or 0, len(self._problems), error))
 
     def add(self, entry: Entry) -> None:

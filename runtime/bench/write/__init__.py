@@ -1,0 +1,1 @@
+"""Tables and results as text, one file a format."""
