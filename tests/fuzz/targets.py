@@ -17,6 +17,7 @@ ROOT = Path(__file__).parents[2]
 CORPUS = Path(__file__).parent / "corpus"
 DOMAINS = ROOT / "domains"
 SPEC = ROOT / "tests" / "spec"
+SUITES = ROOT / "runtime" / "bench"
 ROBOT = ROOT / "runtime" / "robot" / "tiago"
 
 
