@@ -94,7 +94,19 @@ class Meaning:
             case "n_concept_distance":
                 return self.distance(*x)
             case "n_sum_concept_distance":
-                return sum(self.distance({a}, *x[1:]) for a in x[0])
+                if not x[0] or not x[2]:
+                    return UNREACHABLE
+                far = [self.distance(x[0], x[1], {b}) for b in x[2]]
+                return UNREACHABLE if UNREACHABLE in far else sum(far)
+            case "n_role_distance" | "n_sum_role_distance":
+                first, relation, last = x
+                ends = [(b, {d for c, d in last if c == a}) for a, b in first]
+                far = [self.distance({b}, relation, end) for b, end in ends]
+                if not first or not last:
+                    return UNREACHABLE
+                if name == "n_role_distance":
+                    return min(far)
+                return UNREACHABLE if UNREACHABLE in far else sum(far)
         raise AssertionError(name)
 
     @staticmethod
@@ -135,6 +147,8 @@ def draw(kind: str, rng: random.Random, depth: int) -> Element:
             "count": rng.choice("cr"),
             "concept_distance": "crc",
             "sum_concept_distance": "crc",
+            "role_distance": "rrr",
+            "sum_role_distance": "rrr",
         }
     name, kinds = rng.choice(list(forms.items()))
     return Element(f"{kind}_{name}", some(kinds))

@@ -128,22 +128,42 @@ class Translator:
             case "n_concept_distance", (Element() as c, Element() as r, Element() as d):
                 return self._distance(self.concept(c), self.named(r), self._tight(d))
             case "n_sum_concept_distance", (Element() as c, Element() as r, Element() as d):
-                inner = self._distance(x, self.named(r), self._tight(d))
-                return f"sum {x} in {self.concept(c)}: {inner}"
-            case "n_role_distance" | "n_sum_role_distance", (
-                Element() as r, Element() as s, Element() as t
-            ):  # fmt: skip
+                return self._concept_sum(c, self.named(r), self._tight(d))
+            case "n_role_distance", (Element() as r, Element() as s, Element() as t):
                 first, last = self.named(r), self.named(t)
                 inner = self._distance(y, self.named(s), f"{last}({x}, _)")
-                if element.name == "n_role_distance":
-                    least = f"min {y} in {first}({x}, _): {inner} default {UNREACHABLE}"
-                    return f"min {x} in object: {least} default {UNREACHABLE}"
-                return f"sum {x} in object: sum {y} in {first}({x}, _): {inner}"
+                least = f"min {y} in {first}({x}, _): {inner} default {UNREACHABLE}"
+                return f"min {x} in object: {least} default {UNREACHABLE}"
+            case "n_sum_role_distance", (Element() as r, Element() as s, Element() as t):
+                return self._role_sum(self.named(r), self.named(s), self.named(t))
         raise self._unknown(element)
 
     def _distance(self, start: str, role: str, end: str) -> str:
         near = f"some {self._fresh()} in {role}*({start}, _) & {end}: true"
         return f"(if {near} then distance({start}, {role}, {end}) else {UNREACHABLE})"
+
+    def _concept_sum(self, start: Element, role: str, end: str) -> str:
+        """How far it is from a set to each element of another: no way where it is none for one, or
+        where there are none."""
+        near, far, x = self._tight(start), f"({end})", self._fresh()
+        beyond = f"some {self._fresh()} in {far} - {role}*({near}, _): true"
+        none = f"{self._none(near)} or {self._none(far)}"
+        total = f"sum {x} in {far}: distance({near}, {role}, {{ {x} }})"
+        return f"if {none} or ({beyond}) then {UNREACHABLE} else {total}"
+
+    def _role_sum(self, first: str, role: str, last: str) -> str:
+        """How far it is from each `y` with `first(x, y)` to a nearest `z` with `last(x, z)`: no way
+        where it is none for one, or where there are none."""
+        x, y, z = self._fresh(), self._fresh(), self._fresh()
+        near = f"some {z} in {role}*({y}, _) & {last}({x}, _): true"
+        beyond = f"some {x} in object: some {y} in {first}({x}, _): not ({near})"
+        none = f"{self._none(f'{first}(_, object)')} or {self._none(f'{last}(_, object)')}"
+        inner = f"distance({y}, {role}, {last}({x}, _))"
+        total = f"sum {x} in object: sum {y} in {first}({x}, _): {inner}"
+        return f"if {none} or ({beyond}) then {UNREACHABLE} else {total}"
+
+    def _none(self, elements: str) -> str:
+        return f"not (some {self._fresh()} in {elements}: true)"
 
     def _elements(self, element: Element) -> str:
         """A concept; of a role, what it starts from: empty if the role is."""
