@@ -5,7 +5,8 @@
 
 Each line is a sketch of `benchmarks/families.py`: the verdict and the processor time of the proof
 alone, of this project and of pyrunir's complete procedure, one after the other in processes of
-their own, and the ratio. A proof that takes longer than
+their own, and the ratio. Libraries are loaded before the clock starts, theirs as ours: the first
+proof of a process that lists valuations takes some 0.3 s more. A proof that takes longer than
 `--time-limit` is given up. pyrunir knows no `?`: what a rule may change is what it does not name.
 """
 
@@ -30,6 +31,7 @@ SKETCHES = (
 )
 OURS = """
 import json, sys, time
+import highspy, numpy, scipy.sparse.csgraph
 from sketchlang.analysis.limits import Budget
 from sketchlang.analysis.termination import decide_termination
 from sketchlang.loader import load_text

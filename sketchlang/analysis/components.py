@@ -10,12 +10,24 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from sketchlang.analysis.bits import RuleBits, subsets
 from sketchlang.analysis.limits import Budget
 
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
 CELL_MB = 0.0004
 """What a cell takes at least, with its edges, while components are found (measured)."""
+
+
+MANY = 2000
+"""Cells from which on NumPy looks through them."""
+
+MOST_BITS = 62
+"""Bits of a cell that NumPy can hold."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,6 +55,7 @@ class PieceGraph:
         self.arcs: list[tuple[int, int, int]] = []  # cell, rule, cell or intermediate node
         self._fans: dict[tuple[int, int], int] = {}
         self._out: list[list[tuple[int, int]]] | None = None
+        self._packed: NDArray[np.int64] | None = None
         for rule in rules:
             budget.check()
             self._add(rule, tracked)
@@ -51,7 +64,7 @@ class PieceGraph:
     def _add(self, rule: RuleBits, tracked: int) -> None:
         needs = rule.needs & tracked
         wants = rule.wants & tracked
-        chosen = [(i, cell) for i, cell in enumerate(self.cells) if cell & needs == wants]
+        chosen = self._where(needs, wants)
         number, targets, arcs, index = self.number, self.targets, self.arcs, rule.index
         for i, cell in chosen:
             base, free = rule.fan(cell)
@@ -61,6 +74,17 @@ class PieceGraph:
             if node >= 0:
                 targets[i].append(node)
                 arcs.append((i, index, node))
+
+    def _where(self, needs: int, wants: int) -> list[tuple[int, int]]:
+        """The cells (number and bits) in which some bits are as they are wanted."""
+        if len(self.cells) < MANY or max(needs, self.cells[-1]).bit_length() > MOST_BITS:
+            return [(i, cell) for i, cell in enumerate(self.cells) if cell & needs == wants]
+        import numpy as np
+
+        if self._packed is None:
+            self._packed = np.array(self.cells, np.int64)
+        found = np.flatnonzero(self._packed & needs == wants)
+        return [(i, self.cells[i]) for i in found.tolist()]
 
     def out(self, number: int) -> Sequence[tuple[int, int]]:
         """What the rules make of the cell of this number: (rule, cell or intermediate node)."""

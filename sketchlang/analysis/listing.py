@@ -272,7 +272,7 @@ class _Graph:
         cells = self.cells[np.flatnonzero(order[: len(self.cells)] == chosen)]
         rules = [self.rules[i] for i in np.unique(self.by[component == chosen])]
         tracked = space.expanded(space.count - 1)
-        return Piece(tracked, tuple(space.expanded(int(cell)) for cell in cells), tuple(rules))
+        return Piece(tracked, tuple(space.all_expanded(cells)), tuple(rules))
 
 
 def _joined(parts: Sequence[Any], columns: int) -> list[Any]:

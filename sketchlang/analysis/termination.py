@@ -26,11 +26,9 @@ if TYPE_CHECKING:
 SMALL_WORK = 20_000
 """Steps of Sieve before anything is imported that takes longer than they do: some 30 ms."""
 
-LEAST_WORK = 50_000
-"""Steps of Sieve before all valuations are listed, if they can be."""
-
-EDGES_A_STEP = 60
-"""Edges that are listed in the time of a step of Sieve (measured)."""
+EDGES_A_STEP = 600
+"""Where all valuations can be listed, Sieve is given a step more for so many edges: a tenth of the
+time that listing them takes (measured)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,11 +118,12 @@ class _Search:
         edges = listing.applications(self.model, left)
         if edges is None or edges > listing.MOST_EDGES:
             return self._verdict(steps, self._sieve(left, self.budget))
-        try:
-            attempt = self.budget.attempt(LEAST_WORK + edges // EDGES_A_STEP)
-            return self._verdict(steps, self._sieve(left, attempt))
-        except WorkDoneError:
-            pass
+        if edges // EDGES_A_STEP > SMALL_WORK:  # that much was done in vain
+            try:
+                attempt = self.budget.attempt(edges // EDGES_A_STEP)
+                return self._verdict(steps, self._sieve(left, attempt))
+            except WorkDoneError:
+                pass
         try:
             found = listing.Listing(self.model, left, self.budget).run()
         except listing.TooManyEdgesError:

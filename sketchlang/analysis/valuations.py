@@ -20,6 +20,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
+MOST_BITS = 61
+"""Features up to which masks are numbers that NumPy can hold."""
+
+
 class Valuations:
     """The valuations of some features of a sketch. Bit i of a number is `features[i]`."""
 
@@ -37,6 +41,17 @@ class Valuations:
     def expanded(self, mask: int) -> int:
         """The reverse of `squeezed`."""
         return sum(1 << self.features[i] for i in members(mask))
+
+    def all_expanded(self, masks: NDArray[Any]) -> list[int]:
+        """The same for an array of masks."""
+        if max(self.features, default=0) > MOST_BITS:
+            return [self.expanded(mask) for mask in masks.tolist()]
+        masks = masks.astype(np.int64)
+        found = np.zeros(len(masks), np.int64)
+        for i, feature in enumerate(self.features):
+            found |= (masks >> i & 1) << feature
+        expanded: list[int] = found.tolist()
+        return expanded
 
     def axis(self, feature: int) -> int:
         """The axis of a feature in a tensor."""
