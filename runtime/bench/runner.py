@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import time
 from collections import Counter
 from collections.abc import Callable, Iterable
 from typing import Any
@@ -73,8 +74,11 @@ def run_job(job: Job) -> dict[str, Any]:
     domain = pddl_domain_of(scene) if scene.endswith(PDDL) else None
     checked = load_sketch(job.located(job.sketch), file or None, domain).checked
     task = open_task(checked, scene, job.seed, job.located(job.robot) or None)
+    task.reporting.warm_up()
+    before = time.process_time()
     result = task.solve(Limits(timeout=job.timeout, k_max=job.k_max), job.planner)
     report = make_report(result)
+    report["cpu_time_s"] = round(time.process_time() - before, 4)
     subgoals = result.outcome.subgoals
     moved = {getattr(action, "object", None) for s in subgoals for action in s.actions}
     report["objects_moved"] = len(moved - {None})

@@ -12,6 +12,7 @@ from runtime.bench.statistics import Interval, binomial_interval, median_interva
 
 MEASURED = (
     "expanded", "generated", "subplans", "actions", "objects_moved", "execution_time_s", "peak_mb",
+    "cpu_time_s",
 )  # fmt: skip
 """Of these the median over the solved runs is told."""
 

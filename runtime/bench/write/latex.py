@@ -16,7 +16,8 @@ _SPECIAL = {
     "|": r"\textbar{}",
     '"': r"{\char34}",
     "`": r"{\char96}",
-    **{character: f"\\{character}" for character in "&%$#_{}"},
+    "$": r"{\char36}",  # \$ asks for a font that small installations lack
+    **{character: f"\\{character}" for character in "&%#_{}"},
 }
 
 
