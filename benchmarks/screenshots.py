@@ -1,7 +1,8 @@
 """The pictures of the docs: `python -m benchmarks.screenshots docs/images`.
 
 Plans a scene of each task family, writes the replay page, and takes pictures of it in a headless
-Chromium. `--moments FOLDER` takes ten pictures of each scene, to be looked at.
+Chromium. `--moments` takes ten pictures of each scene instead, to be looked at, and a sheet of
+them (`moments-NAME.jpg`).
 """
 
 from __future__ import annotations
@@ -29,6 +30,9 @@ SHOTS = (
 
 MOMENTS = 10
 
+WIDE = 800
+"""Pixels of a sheet from left to right."""
+
 
 class Photographer:
     """A browser that shows one scene's replay at a time."""
@@ -51,6 +55,24 @@ class Photographer:
         options = {"format": "jpeg", "quality": 82}
         return base64.b64decode(self.browser.call("Page.captureScreenshot", options)["data"])
 
+    def sheet(self, pictures: list[Path]) -> bytes:
+        """Pictures side by side, two in a row, as JPEG; the page shows nothing else then."""
+        images = "".join(f'<img src="{picture.resolve().as_uri()}">' for picture in pictures)
+        style = "body{margin:0;display:grid;grid-template-columns:1fr 1fr;gap:4px}img{width:100%}"
+        path = self.folder / "sheet.html"
+        write_text(path, f"<!doctype html><style>{style}</style>{images}")
+        self.browser.call("Page.navigate", {"url": path.as_uri()})
+        self.browser.wait("document.images.length && [...document.images].every((i) => i.complete)")
+        clip = {
+            "x": 0,
+            "y": 0,
+            "width": WIDE,
+            "height": WIDE / 3.52 * len(pictures) / 2,
+            "scale": 1,
+        }
+        options = {"format": "jpeg", "quality": 80, "captureBeyondViewport": True, "clip": clip}
+        return base64.b64decode(self.browser.call("Page.captureScreenshot", options)["data"])
+
 
 def take(folder: Path) -> list[Path]:
     """Write the pictures of the docs into a folder; their paths."""
@@ -71,9 +93,12 @@ def take_moments(folder: Path) -> list[Path]:
         photographer = Photographer(browser, Path(scratch))
         for name, scene, _, _ in SHOTS:
             photographer.open(scene, True)
+            taken = []
             for number in range(MOMENTS):
-                paths.append(folder / f"{name}-{number}.jpg")
-                write_bytes(paths[-1], photographer.at((number + 0.5) / MOMENTS))
+                taken.append(folder / f"{name}-{number}.jpg")
+                write_bytes(taken[-1], photographer.at((number + 0.5) / MOMENTS))
+            paths += [*taken, folder / f"moments-{name}.jpg"]
+            write_bytes(paths[-1], photographer.sheet(taken))
     return paths
 
 
@@ -82,5 +107,6 @@ if __name__ == "__main__":
     parser.add_argument("folder", type=Path)
     parser.add_argument("--moments", action="store_true")
     chosen = parser.parse_args()
+    chosen.folder.mkdir(parents=True, exist_ok=True)
     for path in (take_moments if chosen.moments else take)(chosen.folder):
         print(path)
