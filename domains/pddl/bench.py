@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any
 
 from domains.pddl.interface import domain_beside
+from runtime.bench.job import key
 from runtime.bench.statistics import quantile
 from runtime.bench.suite import TIMEOUT, Block, Suite
 from runtime.bench.suite_file import natural
-from runtime.bench.summary import Summary, grouped, summarise
 from runtime.bench.table import Table, count, seconds
 from sketchlang.errors import InputError
 from sketchlang.loader import PDDL, builtin_sketches
@@ -96,12 +96,11 @@ def sketch_for(task: Path) -> str:
 
 def tables(results: Sequence[Result]) -> list[Table]:
     """One line a sketch and planner, with what was published beside it."""
-    groups: dict[tuple[str, str], list[Summary]] = {}
-    for summary in summarise(results):
-        groups.setdefault((summary.case.sketch, summary.case.planner), []).append(summary)
-    runs = grouped(results)
-    of = {pair: [r for s in found for r in runs[s.case]] for pair, found in groups.items()}
-    return [
+    of: dict[tuple[str, str], list[Result]] = {}
+    for result in results:
+        job = key(result)
+        of.setdefault((Path(job.sketch).stem, job.planner), []).append(result)
+    found = [
         Table(
             "PDDL tasks",
             ("sketch", "planner", "solved", "valid", "s", "worst", "actions", "worst MB"),
@@ -126,6 +125,7 @@ def tables(results: Sequence[Result]) -> list[Table]:
             ("In 30 minutes and 8 GB (Drexler, Seipp and Geffner, KR 2021).",),
         ),
     ]
+    return [table for table in found if table.rows]
 
 
 def _solved(group: list[Result]) -> tuple[str, ...]:
