@@ -134,3 +134,14 @@ def test_rules_of_the_sketch_make_no_difference(planner) -> None:
         for of in (plain, down)
     ]
     assert [[s.actions for s in subgoals] for subgoals in found] == [[((0, 4), (4, END))]] * 2
+
+
+def test_what_has_lost_its_novelty_while_it_waited_comes_after_what_is_new() -> None:
+    """1 and 2 have the same atom: once 1 is reached, 3 is new and 2 is not."""
+    atom = {1: "a", 2: "a", 3: "b"}
+    model = SketchModel("graph", (Feature("far", Kind.NAT),), (), {0: False})
+    of = CompiledSketch(model, lambda s: (int(s != END),), (lambda s: (atom.get(s, s),),))
+    problem = Graph({0: [1, 2, 3], 2: [END]})
+    outcome = PLANNERS["bfws"](of, problem, Limits(k_max=1), np.random.default_rng(0))
+    assert outcome.solved
+    assert problem.asked == [(0, 1), (0, 3), (0, 2), (2, END)]
