@@ -23,7 +23,12 @@ OTHERS = {
     ("import tmp", "--out"),
 }
 """Folders, a store, and what reads other tools' files: these have tests of their own."""
-INPUTS = {("robot import", "--srdf"), ("bench run", "--tasks"), ("replay", "--against")}
+INPUTS = {
+    ("robot import", "--srdf"),
+    ("bench run", "--tasks"),
+    ("bench kinder", "--python"),
+    ("replay", "--against"),
+}
 
 
 def call(*arguments: object) -> Result:
