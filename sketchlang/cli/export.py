@@ -32,6 +32,7 @@ Examples:
   sketchlang export plan.json --steps steps.json
   sketchlang export plan.json --moveit moveit.json --frame odom
   sketchlang export plan.json --bag bag --glb scene.glb --at 20
+  sketchlang export gripper --dlplan policy.txt
 """
 )
 @trace_options
@@ -54,6 +55,18 @@ Examples:
 )
 @click.option("--bag", type=click.Path(path_type=Path), help="Write a ROS 2 bag, a new folder.")
 @click.option("--glb", type=click.Path(path_type=Path, dir_okay=False), help="Write a 3D model.")
+@click.option(
+    "--dlplan",
+    "dlplan_file",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="FILE is a sketch of a PDDL domain: write it as a policy of dlplan.",
+)
+@click.option(
+    "--runir",
+    "runir_file",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="The same, as a policy of runir.",
+)
 @click.option(
     "--at",
     type=Number(min=0),
@@ -94,14 +107,19 @@ def command(
     trajectory: Path | None,
     bag: Path | None,
     glb: Path | None,
+    dlplan_file: Path | None,
+    runir_file: Path | None,
     at: float,
     frame: str,
     rate: float,
     meshes: str | None,
 ) -> None:
-    """Write FILE, a plan or a trace, in formats of others.
+    """Write FILE, a plan or a trace, in formats of others; or a sketch as a policy.
 
-    Exit 0: written. 2: bad input.
+    What of a sketch a policy cannot say is named: a feature with its place, and then nothing is
+    written; goal, invariants and atoms in a note.
+
+    Exit 0: written. 2: a feature cannot be said there, or bad input.
     """
     from sketchlang.errors import InputError
 
@@ -111,12 +129,20 @@ def command(
         "--trajectory": trajectory,
         "--bag": bag,
         "--glb": glb,
+        "--dlplan": dlplan_file,
+        "--runir": runir_file,
     }
     if not any(outputs.values()):
         fail(f"nothing to write: give one of {', '.join(outputs)}")
     if not frame.strip("/").strip():
         fail("--frame: a frame has a name")
     check_outputs((file, scene, robot, sketch, domain_file), outputs, folders=("--bag",))
+    policies = {"dlplan": dlplan_file, "runir": runir_file}
+    if any(policies.values()):
+        if any((steps_file, moveit_file, trajectory, bag, glb)):
+            fail("--dlplan and --runir write a sketch, the other options a plan")
+        _write_policies(str(file), domain_file, policies)
+        return
     try:
         if bag is not None:
             from runtime.export.bag import check_bag
@@ -147,6 +173,37 @@ def command(
             say(f"model written to {glb}")
     except InputError as error:
         fail(error)
+
+
+def _write_policies(sketch: str, domain_file: str | None, paths: dict[str, Path | None]) -> None:
+    """Write a sketch in the notations that have a path; all of them or none."""
+    from domains.pddl.interchange import export
+    from domains.pddl.interface import PddlInterface
+    from sketchlang.errors import InputError
+    from sketchlang.files import write_text
+    from sketchlang.loader import load_sketch
+
+    try:
+        loaded = load_sketch(sketch, domain_file)
+    except InputError as error:
+        fail(error)
+    checked = loaded.checked
+    if not loaded.ok:
+        fail(InputError("the sketch has errors: see `sketchlang check`", place=sketch))
+    if not isinstance(checked.domain, PddlInterface):
+        fail(InputError("policies are about PDDL domains, and its domain is none", place=sketch))
+    written = {}
+    for name, path in paths.items():
+        if path is not None:
+            try:
+                writer = export.to_dlplan if name == "dlplan" else export.to_runir
+                written[path] = writer(checked, checked.domain)
+            except InputError as error:
+                fail(error)
+    for path, policy in written.items():
+        write_text(path, policy.text)
+        say(f"{path}: {counted(len(checked.model.rules), 'rule')}")
+        say(*(f"note: {note}" for note in policy.notes), err=True)
 
 
 def _write_steps(

@@ -5,14 +5,18 @@ from __future__ import annotations
 
 import os
 import random
+from pathlib import Path
 
 import pytest
 
 from benchmarks.policies import compare
 from domains.pddl.interchange import dlplan
+from domains.pddl.interchange.export import to_dlplan
 from domains.pddl.interchange.translate import Translator
-from sketchlang.loader import load_text
+from domains.pddl.interface import PddlInterface
+from sketchlang.loader import load_sketch, load_text
 from sketchlang.source import Source
+from tests.pddl.small_tasks import TASKS
 from tests.pddl.test_features import interface_and_problem
 from tests.pddl.test_interchange import draw, spelled
 
@@ -59,3 +63,18 @@ def test_rules_hold_of_the_same_pairs(seed: int) -> None:
     found = compare(PYTHON, text, loaded.checked, problem, rng, 200)
     assert found.pairs == 200
     assert found.complete, (found, text, sketch)
+
+
+@pytest.mark.parametrize("name", ["gripper", "miconic", "visitall", "spanner", "grid", "floortile"])
+def test_exported_sketches_have_the_same_rules_there(name: str, tmp_path: Path) -> None:
+    assert PYTHON is not None
+    checked = load_sketch(name).checked
+    interface = checked.domain
+    assert isinstance(interface, PddlInterface)
+    task = tmp_path / "task.pddl"
+    task.write_text(TASKS[name])
+    problem = interface.load(str(task), None)  # type: ignore[arg-type, misc]
+    text = to_dlplan(checked, interface).text
+    found = compare(PYTHON, text, checked, problem, random.Random(0), 300)
+    assert found.same_rules == found.pairs == 300
+    assert found.satisfied

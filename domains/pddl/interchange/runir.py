@@ -11,7 +11,7 @@ _TOKEN = re.compile(r'\s*(<[^>\s]+>|::=|->|\[[a-z_]+\]|"[^"]*"|@\w+|[{},]|[^\s{}
 MAX_DEPTH = 200
 
 # Constructor: the name in dlplan, and what its arguments are: `e` element, `n` name, `t` truth.
-_CONSTRUCTORS = {
+CONSTRUCTORS = {
     "concept_bot": ("c_bot", ""),
     "concept_top": ("c_top", ""),
     "concept_atomic_state": ("c_primitive", "n"),
@@ -41,7 +41,9 @@ _CONSTRUCTORS = {
     "numerical_count": ("n_count", "e"),
     "numerical_distance": ("n_concept_distance", "eee"),
 }
-_LITERALS = {
+"""Constructors: the name in dlplan, and what their arguments are."""
+
+LITERALS = {
     "positive_boolean_condition": "pos",
     "negative_boolean_condition": "neg",
     "greater_numerical_condition": "gt",
@@ -109,7 +111,7 @@ class _Reader:
     def element(self, depth: int) -> Element:
         """A constructor and its arguments."""
         word = self.take()
-        found = _CONSTRUCTORS.get(word.removeprefix("@"))
+        found = CONSTRUCTORS.get(word.removeprefix("@"))
         if found is None or depth > MAX_DEPTH:
             raise NotTranslatedError(f"`{word}` is not known", place=self.place)
         name, kinds = found
@@ -125,9 +127,9 @@ class _Reader:
         self.take("{")
         while self.peek() != "}":
             word = self.take().removeprefix("@")
-            if word not in _LITERALS:
+            if word not in LITERALS:
                 raise self.fail(f"`{word}` is no condition or effect")
-            found.append((self.take().strip("<>"), _LITERALS[word]))
+            found.append((self.take().strip("<>"), LITERALS[word]))
             if self.peek() == ",":
                 self.take()
         self.take("}")

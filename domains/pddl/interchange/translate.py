@@ -83,7 +83,10 @@ class Translator:
         self, feature: str, word: str, names: dict[tuple[str, str], str]
     ) -> tuple[str, str]:
         _, name = self._feature(feature, names, word)
-        texts = {"pos": name, "neg": f"!{name}", "inc": f"{name}++", "dec": f"{name}--", "bot": ""}
+        texts = {
+            "pos": name, "neg": f"!{name}", "inc": f"{name}++", "dec": f"{name}--", "bot": "",
+            "dec_bot": f"!{name}++", "inc_bot": f"!{name}--",
+        }  # fmt: skip
         if word not in texts:
             raise NotTranslatedError(f"the effect `{word}` is not known", place=self.place)
         return name, texts[word]
@@ -278,6 +281,10 @@ class Translator:
         written, function = self._predicate(name)
         written = f"goal {written}" if goal else written
         count = len(function.parameters)
+        if self.domain.meanings[function].kind == "type" and written != "object":
+            # A set of objects, which goes together with sets of other types.
+            x = self._fresh()
+            return f"{{ {x} in object where {x} in {written} }}"
         if count <= 1:
             return written
         ends = ", ".join("_" if str(i) == str(place) else "object" for i in range(count))
