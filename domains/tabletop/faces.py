@@ -18,7 +18,7 @@ from domains.tabletop.features.swept import HEADINGS, near_headings
 from domains.tabletop.items import Item
 from domains.tabletop.room import has_room
 from domains.tabletop.scene.model import AnyGoal, PoseGoal, RegionGoal, SceneObject
-from domains.tabletop.state import PINCH, SIDE, TOP, Grasp
+from domains.tabletop.state import PINCH, SIDE, SLANT, SLOPE, TOP, Grasp
 from runtime.world.poses import Floats, Pose, compose, invert
 from runtime.world.stable import ANY_TURN, StablePose
 from runtime.world.world import Movable
@@ -78,7 +78,7 @@ def _steadiness(stable: StablePose, item: Item) -> float:
 
 def turned(world: TabletopWorld, index: int, grasp: Grasp, face: int) -> Grasp | None:
     """A grasp as it is seen from another face of the object; None where the hand would come
-    neither level nor from straight above."""
+    neither level nor from straight above, nor halfway between."""
     if face == grasp.face:
         return grasp
     key = (world.kinds[index], grasp, face)
@@ -101,6 +101,8 @@ def grasp_at(tool: Pose, face: int) -> Grasp | None:
         family, flipped = SIDE, bool(tool[2, 2] < 0)
     elif abs(rise) < SQUARE and abs(sideways) > 1 - SQUARE**2:
         family, flipped = PINCH, sideways < 0
+    elif abs(rise + SLOPE) < SQUARE and abs(sideways) < SQUARE:
+        family, flipped = SLANT, bool(tool[2, 2] < 0)
     elif rise < -1 + SQUARE**2:
         family = TOP
         x, y = tool[:2, 2].tolist()

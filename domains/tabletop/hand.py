@@ -8,10 +8,10 @@ from functools import cached_property
 
 import numpy as np
 
-from domains.tabletop.state import PINCH, SIDE, TOP
+from domains.tabletop.state import PINCH, SIDE, SLANT, TOP
 from runtime.robot.approach import Family
 from runtime.robot.model import RobotModel
-from runtime.robot.open_hand import finger_boxes
+from runtime.robot.open_hand import finger_boxes, room_between
 from runtime.robot.sweeps import drawn_out
 from runtime.world.poses import Floats
 
@@ -24,16 +24,29 @@ SIDEWAYS = 0.02
 CLOSING = 6
 """Openings at which fingers that always open fully are looked at while they close."""
 
-FAMILY = {SIDE: Family.SIDE, TOP: Family.TOP, PINCH: Family.PINCH}
+FAMILY = {SIDE: Family.SIDE, TOP: Family.TOP, PINCH: Family.PINCH, SLANT: Family.SLANT}
+
+
+class Sweeps(dict[int, Floats]):
+    """The volumes of each family, made when they are asked for: few scenes think of all."""
+
+    def __init__(self, robot: RobotModel) -> None:
+        super().__init__()
+        self.robot = robot
+
+    def __missing__(self, family: int) -> Floats:
+        found = self[family] = _volumes(self.robot, family)
+        return found
 
 
 @dataclass(frozen=True, eq=False)
 class Hand:
     """A parallel gripper and the arm behind it. Metres, newtons, newton metres.
 
-    From the grasp centre, along the approach: the fingers end `tip` in front of it and the palm
-    is `back` behind it; `pad` is half the height of the fingers. `sweeps[f]` are the volumes
-    (v, 7) that an approach of family f sweeps, as `features.swept` takes them.
+    From the grasp centre, along the approach: the fingers end `tip` in front of it and the palm,
+    or what else is between them, is `back` behind it; `pad` is half the height of the fingers.
+    `sweeps[f]` are the volumes (v, 7) that an approach of family f sweeps, as `features.swept`
+    takes them.
     """
 
     robot: RobotModel
@@ -44,17 +57,31 @@ class Hand:
     max_opening: float
     max_weight: float
     max_torque: float
-    sweeps: tuple[Floats, ...]
+    sweeps: Sweeps
 
     @cached_property
     def finger_width(self) -> float:
         """Metres beside what is gripped that a finger needs, its play included."""
         return float(_outwards(self.robot, TOP).max())
 
+    def _below(self, family: int) -> float:
+        """Metres that the hand reaches below the grasp centre, fingers above and below left out."""
+        if family not in self._known_below:
+            approach = self.robot.approach(FAMILY[family])
+            parts = [approach.hand] if family == PINCH else [approach.hand, approach.fingers]
+            self._known_below[family] = -float(np.vstack(parts)[:, 4].min(initial=0.0))
+        return self._known_below[family]
+
+    @cached_property
+    def _known_below(self) -> dict[int, float]:
+        return {}
+
     def workspace(self, family: int, height: float) -> tuple[float, float, float] | None:
         """Where the wrist has to be for a grasp centre at a height above the floor: how far
         behind the centre it is, and from where to where from the shoulder axis; None where the
-        arm does not reach."""
+        arm does not reach, or where the hand would be in the floor."""
+        if height < self._below(family):
+            return None
         inner, outer, wrist = self.robot.workspace(FAMILY[family], height)
         return (wrist, inner, outer) if outer > inner else None
 
@@ -66,13 +93,13 @@ def hand_of(robot: RobotModel) -> Hand:
     return Hand(
         robot=robot,
         tip=float(side.fingers[:, 1].max()),
-        back=-float(side.hand[:, 1].max()),
+        back=min(-float(side.hand[:, 1].max()), room_between(robot)),
         pad=float(side.fingers[:, 5].max()),
         clearance=gripper.clearance,
         max_opening=gripper.max_opening,
         max_weight=9.81 * (gripper.payload or math.inf),
         max_torque=gripper.max_torque or math.inf,
-        sweeps=tuple(_volumes(robot, family) for family in (SIDE, TOP, PINCH)),
+        sweeps=Sweeps(robot),
     )
 
 

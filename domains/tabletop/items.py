@@ -16,7 +16,7 @@ import numpy as np
 from domains.tabletop.hand import Hand
 from domains.tabletop.outlines import FRICTION, Slab, around, room_within
 from domains.tabletop.rims import PALM_AIR, outermost, rim_of
-from domains.tabletop.state import PINCH, SIDE, TOP, UNIT, Grasp
+from domains.tabletop.state import PINCH, SIDE, SLANT, SLOPE, TOP, UNIT, Grasp
 from runtime.world.body import Body, Part
 from runtime.world.outline import vertices_and_edges
 from runtime.world.packed import UPRIGHT
@@ -29,6 +29,9 @@ GRASP_HEIGHT = 0.12
 
 PINCH_DEPTH = 0.03
 """Metres that the fingers reach over the edge of what they pinch."""
+
+ASLANT_DEPTH = 0.01
+"""Metres that a hand which comes aslant reaches over the near side of what it takes, at least."""
 
 SIDE_LENGTH = 0.01
 """Metres of an edge of an outline that counts as a side."""
@@ -180,6 +183,14 @@ class Item:
             slab = Slab(outlines, angles, along - hand.pad, along + hand.pad)
             width = slab.width
             fits = slab.slip <= FRICTION * width
+        elif family == SLANT:
+            # The palm stays behind the upper edge on the near side.
+            along = np.minimum(0.0, near + self._room_aslant(hand) - (self.size[2] - height))
+            behind, ahead_of = _reach_aslant(hand)
+            slab = Slab(outlines, angles, along - behind, along + ahead_of)
+            width = slab.width
+            least = np.minimum(ASLANT_DEPTH, (far - near) / 4)
+            fits = (slab.slip <= FRICTION * width) & (along >= near + least - 1e-9)
         else:
             along = np.minimum(0.0, near + hand.back - PALM_AIR)
             slab = Slab(outlines, angles, along - hand.back, along + hand.tip)
@@ -255,6 +266,9 @@ class Item:
         """The heights between which the fingers are that grip at a height."""
         if family == SIDE:
             return height - hand.pad, height + hand.pad
+        if family == SLANT:
+            above, below = _reach_aslant(hand)
+            return max(0.0, height - below), min(self.size[2], height + above)
         return (max(0.0, height - hand.tip) if family == TOP else 0.0), self.size[2]
 
     @cached_property
@@ -267,6 +281,12 @@ class Item:
             return min(GRASP_HEIGHT, 0.6 * tall)
         if family == PINCH:
             return tall / 2
+        if family == SLANT:
+            lowest = max(
+                _reach_aslant(hand)[1] + PALM_AIR, tall - self._room_aslant(hand) + ASLANT_DEPTH
+            )
+            height = max(min(GRASP_HEIGHT, tall / 2), lowest)
+            return height if height <= tall - min(0.005, tall / 4) else None
         lowest = hand.tip + PALM_AIR
         highest = tall - min(0.01, tall / 2)
         deepest = tall - hand.back + PALM_AIR  # the palm stays above the top
@@ -274,6 +294,12 @@ class Item:
         if height - hand.tip > tall - min(0.008, tall / 2):
             return None  # the fingers end above it
         return height
+
+    @staticmethod
+    def _room_aslant(hand: Hand) -> float:
+        """Metres, along the level or upright, between the grasp centre and a palm that comes
+        aslant."""
+        return (hand.back - PALM_AIR) / SLOPE
 
     def _is_borne(self, hand: Hand, angles: Floats, along: Floats, aside: Floats) -> Floats:
         """Whether the hand can bear the object's weight, and the torque of it."""
@@ -311,10 +337,18 @@ class Item:
             return self.size[2]
         along = grasp.along * UNIT
         back, ahead = (hand.pad, hand.pad) if grasp.family == TOP else (hand.back, hand.tip)
+        if grasp.family == SLANT:
+            back, ahead = _reach_aslant(hand)
         slab = Slab(
             outlines, np.array([grasp.heading]), np.array([along - back]), np.array([along + ahead])
         )
         return float(slab.width[0])
+
+
+def _reach_aslant(hand: Hand) -> tuple[float, float]:
+    """Metres that fingers which come aslant reach behind the grasp centre, along the level, and
+    above it; and ahead of it, and below it."""
+    return SLOPE * (hand.back + hand.pad), SLOPE * (hand.tip + hand.pad)
 
 
 def _squared(solid: Solid, pose: Pose) -> Part:

@@ -20,11 +20,18 @@ UNIT = 1e-5
 
 TURN = round(2 * math.pi / UNIT)
 
-SIDE, TOP, PINCH = 0, 1, 2
+SIDE, TOP, PINCH, SLANT = 0, 1, 2, 3
 """Families of approaches. SIDE: the hand comes in horizontally, its fingers on the left and the
-right. TOP: it comes straight down. PINCH: horizontally, one finger above and one below."""
+right. TOP: it comes straight down. PINCH: horizontally, one finger above and one below. SLANT:
+halfway between SIDE and TOP, its fingers on the left and the right."""
 
-FAMILIES = ("side", "top", "pinch")
+FAMILIES = ("side", "top", "pinch", "slant")
+
+USUAL = (SIDE, TOP, PINCH)
+"""Those that are thought of where a scene does not say which."""
+
+SLOPE = math.sqrt(0.5)
+"""Sine and cosine of the angle between a hand that comes aslant and the level."""
 
 
 def quantise(value: float) -> int:
@@ -144,6 +151,9 @@ class Grasp(NamedTuple):
             axes = [[c, -s * turn, 0.0], [s, c * turn, 0.0], [0.0, 0.0, turn]]
         elif self.family == TOP:
             axes = [[0.0, -s * turn, c * turn], [0.0, c * turn, s * turn], [-1.0, 0.0, 0.0]]
+        elif self.family == SLANT:
+            k, up = SLOPE, SLOPE * turn
+            axes = [[k * c, -s * turn, up * c], [k * s, c * turn, up * s], [-k, 0.0, up]]
         else:
             axes = [[c, 0.0, s * turn], [s, 0.0, -c * turn], [0.0, turn, 0.0]]
         import numpy as np  # here, for `check` reads this file as well

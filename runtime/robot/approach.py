@@ -6,6 +6,7 @@ the same for every scene. Lengths in metres.
 
 from __future__ import annotations
 
+import math
 from bisect import bisect_left
 from dataclasses import dataclass
 from enum import Enum
@@ -25,6 +26,20 @@ class Family(Enum):
     """From straight above."""
     PINCH = "pinch"
     """Horizontally, fingers above and below."""
+    SLANT = "slant"
+    """From the side and from above, halfway between both, fingers left and right."""
+
+    @property
+    def ahead(self) -> tuple[float, float]:
+        """The direction of approach: how far ahead and how far up it leads, a unit vector."""
+        return AHEAD[self.value]
+
+
+SLOPE = math.sqrt(0.5)
+AHEAD = {"side": (1.0, 0.0), "pinch": (1.0, 0.0), "top": (0.0, -1.0), "slant": (SLOPE, -SLOPE)}
+
+USUAL = (Family.SIDE, Family.TOP, Family.PINCH)
+"""What is derived of every robot; others where a scene asks for them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +47,8 @@ class Approach:
     """What a hand that comes in by a family sweeps, from 10 cm before the grasp to the grasp.
 
     Boxes are rows [x_lo, x_hi, y_lo, y_hi, z_lo, z_hi] in the approach frame: origin at the
-    grasp centre, z up, x the heading. Coming horizontally, that is the direction of approach;
+    grasp centre, z up, x the heading. Coming horizontally, that is the direction of approach,
+    and coming aslant that as it is seen from above;
     from above, the direction from the shoulder's axis to the grasp, so that the forearm hangs
     back towards -x.
 
@@ -59,7 +75,8 @@ class Approach:
 class Workspace:
     """InArmWorkspace (paper, Executability) of one family: how far the wrist may be from the
     shoulder's axis, `inner` to `outer` (k,), for a grasp centre at heights (k,) above the
-    floor; 0 to 0 where none is. The wrist is `wrist_offset` behind the grasp centre."""
+    floor; 0 to 0 where none is. The wrist is `wrist_offset` behind the grasp centre, seen from
+    above."""
 
     heights: Floats
     inner: Floats

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from runtime.robot.approach import Derived
+from runtime.robot.approach import Derived, Family
 from runtime.robot.controllers import proposed_controllers
 from runtime.robot.file import BUILT_IN, GripperFile, RobotFile, read_robot_file
 from runtime.robot.gripper import FingerPart, Gripper, Hand
@@ -103,11 +103,11 @@ def build_robot(file: RobotFile) -> RobotModel:
     )
 
 
-def _derived(robot: RobotModel) -> Derived:
+def _derived(robot: RobotModel, families: tuple[Family, ...]) -> Derived:
     """From a cache on disk, where it is known."""
     from runtime.robot.derived import derived_of  # when it is asked for: it needs the kernels
 
-    return derived_of(robot)
+    return derived_of(robot, families)
 
 
 def _pairs(

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from runtime.kernels import arm
 from runtime.kernels.convex import EXACT, NO_SHAPES, Shapes
-from runtime.robot.approach import Approach, Derived, Family
+from runtime.robot.approach import USUAL, Approach, Derived, Family
 from runtime.robot.controllers import Controller
 from runtime.robot.gripper import FingerPart, Gripper
 from runtime.robot.shapes import Shape
@@ -115,23 +115,30 @@ class RobotModel:
     urdf: Urdf
     urdf_tool: str
     digest: str
-    derive: Callable[[RobotModel], Derived]
+    derive: Callable[[RobotModel, tuple[Family, ...]], Derived]
     controllers: tuple[Controller, ...] = ()
 
     @cached_property
     def derived(self) -> Derived:
         """What kinematics says of the robot."""
-        return self.derive(self)
+        return self.derive(self, USUAL)
+
+    @cached_property
+    def _aslant(self) -> Derived:
+        """The same of hands that come aslant, which few scenes ask for."""
+        return self.derive(self, (Family.SLANT,))
 
     def approach(self, family: Family) -> Approach:
         """What a hand that comes in by a family sweeps."""
-        return self.derived.approaches[family]
+        derived = self.derived if family in USUAL else self._aslant
+        return derived.approaches[family]
 
     def workspace(self, family: Family, height: float) -> tuple[float, float, float]:
         """How far the wrist has to be from the shoulder's axis for a grasp centre at a height
         above the floor, at least and at most, and how far behind the grasp centre it is. The
         interval is empty (0, 0) where there is none."""
-        return self.derived.workspaces[family].at(height)
+        derived = self.derived if family in USUAL else self._aslant
+        return derived.workspaces[family].at(height)
 
     @property
     def centre(self) -> tuple[float, float]:

@@ -7,12 +7,21 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from runtime.robot.approach import Family
+from runtime.robot.approach import SLOPE, Family
 from runtime.robot.gripper import FingerPart
 from runtime.robot.model import RobotModel
-from runtime.robot.outline import outline
+from runtime.robot.outline import outline, slices
 from runtime.world.poses import Pose, apply, compose, invert
 from runtime.world.solids import Floats
+
+KNUCKLE = 0.004
+"""Metres of fingers, along the approach, that are looked at together."""
+
+INWARDS = 0.001
+"""Metres that a part of a finger may be nearer to the middle than its pad."""
+
+SLICE = 0.02
+"""Metres of a piece of a hand that comes aslant."""
 
 
 def tools(family: Family, turn: float) -> list[Pose]:
@@ -23,6 +32,8 @@ def tools(family: Family, turn: float) -> list[Pose]:
             x, y = np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])
         case Family.PINCH:
             x, y = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
+        case Family.SLANT:
+            x, y = np.array([SLOPE, 0.0, -SLOPE]), np.array([0.0, 1.0, 0.0])
         case Family.TOP:
             x = np.array([0.0, 0.0, -1.0])
             y = np.array([-math.sin(turn), math.cos(turn), 0.0])
@@ -46,15 +57,17 @@ def hand_boxes(robot: RobotModel, family: Family) -> tuple[Floats, Floats]:
     for index, part in enumerate(robot.parts):
         if part.frame == len(robot.joints) and index not in fingers:
             cloud = apply(compose(back, part.shape.pose), outline(part.shape.solid))
-            hand.append(_around([apply(tool, cloud) for tool in turned]))
+            hand += [
+                _around([apply(tool, piece) for tool in turned]) for piece in _pieces(cloud, family)
+            ]
     gripper = robot.gripper
     opening = gripper.max_opening
     found = []
     for finger, cloud in _clouds(robot, back, opening):
         cloud = cloud - np.array([0.0, opening / 2, 0.0])
-        ahead = cloud + np.array([_advance(robot, finger, back), 0.0, 0.0])
-        both = [each * (1.0, 1.0, flip) for each in (cloud, ahead) for flip in (1.0, -1.0)]
-        found.append(_around([apply(turned[0], each) for each in both]))
+        advance = np.array([_advance(robot, finger, back), 0.0, 0.0])
+        cloud = np.vstack([cloud, cloud + advance])
+        found += [_around(_both_ways(piece, turned[0])) for piece in _pieces(cloud, family)]
     return np.array(hand).reshape(-1, 6), np.array(found).reshape(-1, 6)
 
 
@@ -64,10 +77,35 @@ def finger_boxes(robot: RobotModel, family: Family, opening: float) -> Floats:
     turned = tools(family, 0.0)[0]
     return np.array(
         [
-            _around([apply(turned, cloud * (1.0, 1.0, flip)) for flip in (1.0, -1.0)])
+            _around(_both_ways(piece, turned))
             for _, cloud in _clouds(robot, invert(robot.tool), opening)
+            for piece in _pieces(cloud, family)
         ]
     ).reshape(-1, 6)
+
+
+def room_between(robot: RobotModel) -> float:
+    """Metres behind the grasp centre, along the approach, in which nothing of the fingers is
+    nearer to the middle than their pads, at any opening: knuckles of fingers that turn are."""
+    back, room = invert(robot.tool), math.inf
+    for opening in robot.gripper.openings.tolist():
+        for _, cloud in _clouds(robot, back, opening):
+            for piece in slices(cloud, KNUCKLE):
+                if piece[:, 1].min() < opening / 2 - INWARDS and piece[:, 0].max() < 0:
+                    room = min(room, -float(piece[:, 0].max()))
+    return room
+
+
+def _pieces(cloud: Floats, family: Family) -> list[Floats]:
+    """Points in the tool frame; cut up for a hand that is aslant, where one box around all of them
+    would be much too large."""
+    return slices(cloud, SLICE) if family is Family.SLANT else [cloud]
+
+
+def _both_ways(cloud: Floats, tool: Pose) -> list[Floats]:
+    """Points of the tool frame in the approach frame, either way in which the hand may be
+    turned over."""
+    return [apply(tool, cloud * (1.0, 1.0, flip)) for flip in (1.0, -1.0)]
 
 
 def _clouds(robot: RobotModel, back: Pose, opening: float) -> Iterator[tuple[FingerPart, Floats]]:

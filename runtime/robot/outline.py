@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import lru_cache
 from itertools import product
 
@@ -39,6 +40,26 @@ def outline(solid: Solid) -> Floats:
 def points_of(shape: Shape, link: Pose) -> Floats:
     """The outline of a shape of a link, in the frame in which the link's pose is given."""
     return apply(link, apply(shape.pose, outline(shape.solid)))
+
+
+def slices(cloud: Floats, thick: float) -> list[Floats]:
+    """The hull of points (n, 3) cut across x into pieces that are at most so thick: points whose
+    hulls together are that hull."""
+    low, high = float(cloud[:, 0].min()), float(cloud[:, 0].max())
+    edges = np.linspace(low, high, max(2, math.ceil((high - low) / thick) + 1))
+    first, second = np.triu_indices(len(cloud), 1)
+    a, b = cloud[first], cloud[second]
+    cuts = {}
+    for edge in edges[1:-1].tolist():
+        crosses = (a[:, 0] - edge) * (b[:, 0] - edge) < 0
+        p, q = a[crosses], b[crosses]
+        share = (edge - p[:, :1]) / (q[:, :1] - p[:, :1])
+        cuts[edge] = p + share * (q - p)
+    found = []
+    for near, far in zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True):
+        inside = cloud[(cloud[:, 0] >= near) & (cloud[:, 0] <= far)]
+        found.append(np.vstack([inside, *(cuts[edge] for edge in (near, far) if edge in cuts)]))
+    return found
 
 
 @lru_cache(maxsize=1)

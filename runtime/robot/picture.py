@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from runtime.robot.approach import Family
+from runtime.robot.approach import USUAL, Family
 from runtime.robot.model import RobotModel
 from sketchlang.escape import shown_line
 
@@ -105,7 +105,7 @@ class RobotPicture:
                 },
             },
             "fixed_joints": dict(robot.fixed),
-            "reach": {family.value: self._reach(family) for family in Family},
+            "reach": {family.value: self._reach(family) for family in USUAL},
         }
 
     def _reach(self, family: Family) -> dict[str, float] | None:

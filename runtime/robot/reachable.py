@@ -107,7 +107,9 @@ class Prober:
         self.robot = robot
         self.family = family
         self.centre = shoulder_of(robot)
-        self.offset = 0.0 if family is Family.TOP else wrist_offset_of(robot)
+        ahead, up = family.ahead
+        wrist = wrist_offset_of(robot)
+        self.offset, self.above = wrist * ahead, -wrist * up
         self.body = robot.body(min(0.06, robot.gripper.max_opening))
         self.below = below_grasp(robot, family)
         self.rng = np.random.default_rng(0)
@@ -117,7 +119,7 @@ class Prober:
 
     def can_reach(self, height: float, distance: float) -> bool:
         """Whether the stretched arm is long enough: if not, there is no need to try."""
-        wrist = height + (wrist_offset_of(self.robot) if self.family is Family.TOP else 0.0)
+        wrist = height + self.above
         away = max(0.0, self.low - wrist, wrist - self.high)
         return math.hypot(away, distance) <= self.length
 

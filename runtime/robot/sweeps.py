@@ -26,13 +26,21 @@ CELL = 0.02
 LOW = np.array([-0.9, -0.4, -0.5])
 HIGH = np.array([0.3, 0.4, 0.9])
 
+ASLANT = 4
+"""Stretches of a way in that is aslant, each with a box of its own."""
+
 NEARLY_ALL = 0.8
 """Space is taken where so many of the postures take it."""
 
 OFTEN = 0.4
 """A height of a column counts as taken where so many of the postures take it."""
 
-BESIDE = {Family.SIDE: (-0.06, 0.12), Family.PINCH: (-0.06, 0.12), Family.TOP: (0.0, 0.3)}
+BESIDE = {
+    Family.SIDE: (-0.06, 0.12),
+    Family.PINCH: (-0.06, 0.12),
+    Family.SLANT: (0.0, 0.2),
+    Family.TOP: (0.0, 0.3),
+}
 """Heights above the grasp centre that things beside an object reach to: those that stand there
 are as tall as it for a hand from the side, and matter for one from above if they are taller."""
 
@@ -45,12 +53,18 @@ SLAB = 0.08
 
 def drawn_out(boxes: Floats, family: Family) -> Floats:
     """Boxes (k, 6) drawn out along the way in."""
-    swept = boxes.copy()
-    if family is Family.TOP:
-        swept[:, 5] += TRAVEL
-    else:
-        swept[:, 0] -= TRAVEL
-    return swept
+    ahead, up = family.ahead
+    steps = ASLANT if ahead and up else 1
+    swept = []
+    for step in range(steps):  # boxes around stretches of the way: many, where that is aslant
+        near, far = TRAVEL * step / steps, TRAVEL * (step + 1) / steps
+        stretch = boxes.copy()
+        stretch[:, 0] -= ahead * far
+        stretch[:, 1] -= ahead * near
+        stretch[:, 4] -= up * near
+        stretch[:, 5] -= up * far
+        swept.append(stretch)
+    return np.vstack(swept)
 
 
 def approach_of(robot: RobotModel, family: Family, postures: Sequence[Posture]) -> Approach:

@@ -136,13 +136,13 @@ def _is_file_name(name: str) -> bool:
 
 
 def _describe(robot: RobotModel) -> None:
-    from runtime.robot.approach import Family
+    from runtime.robot.approach import USUAL
 
     gripper, base = robot.gripper, robot.base
     say(f"{robot.name}: {counted(len(robot.joints), 'joint')}, {base.type} base")
     opens = f"{1000 * gripper.min_opening:.0f} to {1000 * gripper.max_opening:.0f} mm"
     say(f"  gripper: {opens}, {counted(len(gripper.joints), 'finger joint')}")
-    for family in Family:
+    for family in USUAL:
         reaches = robot.derived.workspaces[family].reaches
         text = (
             "nowhere"

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from domains.tabletop.faces import faces_at, grasp_at, turned, turns
 from domains.tabletop.features.functions import arrangement, goal_placements, obstructions
 from domains.tabletop.scene.load import load_scene
-from domains.tabletop.state import FAMILIES, PINCH, SIDE, TOP, Grasp
+from domains.tabletop.state import FAMILIES, PINCH, SIDE, SLANT, TOP, Grasp
 from domains.tabletop.world import TabletopWorld
 from runtime.robot.load import load_robot
 from runtime.search.limits import Limits
@@ -69,7 +69,8 @@ def made(tmp_path, robot, text: str) -> TabletopWorld:
 
 @settings(deadline=None, max_examples=60)
 @given(
-    st.floats(0.0, 6.28), st.floats(0.01, 0.3), st.booleans(), st.sampled_from((SIDE, TOP, PINCH)),
+    st.floats(0.0, 6.28), st.floats(0.01, 0.3), st.booleans(),
+    st.sampled_from((SIDE, TOP, PINCH, SLANT)),
     st.floats(-0.2, 0.2), st.floats(-0.2, 0.2),
 )  # fmt: skip
 def test_a_grasp_is_read_off_its_tool(angle, height, flipped, family, along, aside) -> None:

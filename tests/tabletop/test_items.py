@@ -9,10 +9,10 @@ import pytest
 
 from domains.tabletop.hand import Hand, hand_of
 from domains.tabletop.items import GRASP_HEIGHT, PALM_AIR, PINCH_DEPTH, Item, why_not
-from domains.tabletop.state import PINCH, SIDE, TOP, Grasp
+from domains.tabletop.state import PINCH, SIDE, SLANT, SLOPE, TOP, Grasp
 from runtime.robot.load import load_robot
 from runtime.world.body import Body, Part
-from runtime.world.poses import Pose, apply, compose, upright
+from runtime.world.poses import Pose, apply, compose, invert, upright
 from runtime.world.solids import Box, Capsule, Cylinder, Hull, Solid, Sphere
 from runtime.world.world import Movable
 from tests.runtime.reference import Floats, turn_z
@@ -178,6 +178,39 @@ def test_holds_agree_with_points_on_the_surface(hand, name, family, rng) -> None
             assert -slack < depth <= min(PINCH_DEPTH, hand.back - PALM_AIR) + slack
         else:
             assert near - slack < hold.along[k] < far + slack
+
+
+@pytest.mark.parametrize("name", THINGS)
+@pytest.mark.parametrize("flipped", [False, True])
+def test_what_is_taken_aslant_is_between_the_fingers(hand, name, flipped, rng) -> None:
+    """Points on the surface, in the frame of the tool: those between the fingers are as wide as it
+    is said, none is behind the palm, and the fingers stay above what the object stands on."""
+    item = item_of(THINGS[name])
+    hold = item.holds(hand, SLANT, ANGLES)
+    if hold is None:
+        return
+    points = surface_points(item, rng)
+    for k, angle in enumerate(ANGLES):
+        if not hold.fits[k]:
+            continue
+        tool = item.grasp(hold, k, angle, flipped).tool
+        assert tool[2, 0] == pytest.approx(-SLOPE)
+        assert tool[2, 1] == 0.0
+        ahead, across, up = apply(invert(tool), points).T
+        between = (ahead > -hand.back) & (ahead < hand.tip) & (np.abs(up) < hand.pad)
+        if between.sum() > 30:
+            assert np.abs(across[between]).max() <= hold.width[k] / 2 + 1e-4
+        assert ahead.min() >= -hand.back + PALM_AIR - 1e-4 or name == "mug"
+        for x, z in ((hand.tip, hand.pad), (hand.tip, -hand.pad)):
+            assert apply(tool, np.array([[x, 0.0, z]]))[0, 2] >= PALM_AIR - 1e-6
+        assert hold.along[k] > (points @ turn_z(angle))[:, 0].min()
+
+
+def test_some_things_are_taken_aslant(hand) -> None:
+    holds = {name: item_of(thing).holds(hand, SLANT, ANGLES) for name, thing in THINGS.items()}
+    taken = {name for name, hold in holds.items() if hold is not None and hold.fits.any()}
+    assert {"stick", "can", "lying can"} <= taken
+    assert "plate" not in taken  # too wide, and too low for the tips
 
 
 def test_low_objects_are_gripped_lower(hand) -> None:

@@ -16,7 +16,7 @@ from domains.tabletop.scene.model import Scene
 from domains.tabletop.scene.objects import read_objects
 from domains.tabletop.scene.overlaps import note_overlaps
 from domains.tabletop.scene.wanted import wanted_of
-from domains.tabletop.state import FAMILIES
+from domains.tabletop.state import FAMILIES, USUAL
 from runtime.entry import Document, Entry, known
 from runtime.world.world import World
 from sketchlang.reading import read_bytes
@@ -58,9 +58,9 @@ def load_scene(path: Path, name: str | None = None) -> Scene:
 
 
 def _families(root: Entry) -> tuple[int, ...]:
-    """The approaches that may be used, all unless the scene says which."""
+    """The approaches that may be used, the usual ones unless the scene says which."""
     if not root.has("approaches"):
-        return tuple(range(len(FAMILIES)))
+        return USUAL
     names = root.names("approaches")
     for name in names:
         if name not in FAMILIES:

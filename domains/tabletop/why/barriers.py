@@ -21,7 +21,7 @@ from runtime.motion.room import Room, bare, whole
 from runtime.world.poses import Floats
 from sketchlang.analysis.words import listed
 
-FROM = ("from the side", "from above", "across its edge")
+FROM = ("from the side", "from above", "across its edge", "aslant")
 """The families of approaches in words."""
 
 NAMED = 3

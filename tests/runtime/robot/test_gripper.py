@@ -8,7 +8,7 @@ import pytest
 from domains.tabletop.hand import FAMILY, hand_of
 from domains.tabletop.state import SIDE, TOP
 from runtime.robot.load import load_robot
-from runtime.robot.open_hand import tools
+from runtime.robot.open_hand import room_between, tools
 from runtime.robot.outline import outline
 from runtime.world.poses import apply, compose, invert
 from sketchlang.errors import InputError
@@ -136,3 +136,20 @@ def test_volumes_hold_the_fingers_while_they_close(tmp_path, toml, urdf, fully, 
             # Between two of the openings that are looked at fingers move by a few millimetres.
             inside = ((points >= low - 4e-3) & (points <= high + 4e-3)).all(axis=2)
             assert inside.any(axis=1).all()
+
+
+def test_knuckles_are_what_comes_between_the_pads(tmp_path) -> None:
+    """A finger with a lump 15 mm deep on its inner side, from 30 to 50 mm behind the grasp."""
+    lump = (
+        '<collision><origin xyz="0.0 {y} 0"/><geometry><box size="0.02 0.03 0.02"/></geometry>'
+        "</collision></link>"
+    )
+    urdf = URDF
+    for side, y in (("left", "0.003"), ("right", "-0.003")):
+        start = urdf.index(f'<link name="{side}">')
+        end = urdf.index("</link>", start)
+        urdf = urdf[:end] + lump.format(y=y) + urdf[end + len("</link>") :]
+    assert room_between(load_robot(write_robot(tmp_path))) == np.inf
+    robot = load_robot(write_robot(tmp_path, TOML, urdf))
+    assert room_between(robot) == pytest.approx(0.03, abs=1e-6)
+    assert hand_of(robot).back <= 0.03
