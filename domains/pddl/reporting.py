@@ -23,6 +23,9 @@ from sketchlang.files import write_text
 from sketchlang.model import SketchModel
 from sketchlang.version import __version__
 
+LISTED = 5
+"""So many parts of a goal are named that do not hold."""
+
 
 @dataclass(frozen=True)
 class PddlDocument:
@@ -105,13 +108,22 @@ class PddlReporting:
         return TextPicture((*lines, f"parts of the goal that do not hold: {missing}"))
 
     def hopeless(self, solves: Solves | None = None) -> list[dict[str, Any]]:
-        """A goal that no action and no number of them can bring about."""
+        """The parts of the goal that no number of actions can bring about, not even if no action
+        made anything false."""
         if self.task.goal:
             return []
-        text = "the goal can never be reached, not even if no action made anything false"
-        return [{"cause": "unreachable goal", "text": text}]
+        parts = self.task.unreachable or ("it has no case",)
+        return [
+            {"cause": "unreachable goal", "text": f"the goal can never be reached: {part}"}
+            for part in parts
+        ]
 
     def why(self, outcome: Outcome, solves: Solves) -> list[dict[str, Any]]:
         """What the goal asks for and is not so where the search ended."""
-        verdict = PddlDocument(self.task, "", "", outcome).validate()
-        return [{"cause": "open goal", "text": finding.message} for finding in verdict.findings]
+        if not self.task.goal:
+            return []
+        parts = self.task.open_parts(outcome.state.bits)
+        texts = [f"the goal is not reached: {part}" for part in parts[:LISTED]]
+        if len(parts) > LISTED:
+            texts.append(f"{len(parts) - LISTED} more parts of the goal do not hold")
+        return [{"cause": "open goal", "text": text} for text in texts]

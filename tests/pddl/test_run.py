@@ -8,7 +8,10 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
+from domains.pddl.ground.task import ground
+from domains.pddl.syntax.read import read_domain, read_task
 from sketchlang.cli import cli
+from sketchlang.source import Source
 
 DOMAIN = """
 (define (domain lamps) (:requirements :strips)
@@ -99,4 +102,38 @@ def test_a_goal_that_cannot_be_reached(street: Path) -> None:
     )
     status, output, _ = call("run", street / "lamps.sketch", task)
     assert status == 1
-    assert "can never be reached" in output
+    assert "can never be reached: (on-fire a) is false, and no action makes it true" in output
+
+
+def parts_out_of_reach(goal: str) -> tuple[str, ...]:
+    """What a goal asks for in vain: `p` is nowhere, `q` becomes true of `b` only, `r` is of `a`."""
+    domain = read_domain(
+        Source("d", "(define (domain d) (:predicates (p) (q ?x) (r ?x))"
+               "(:action go :parameters (?x) :precondition (and (r ?x) (not (q ?x)))"
+               " :effect (q ?x)))")
+    )  # fmt: skip
+    text = "(define (problem t) (:domain d) (:objects a b) (:init (r a) (q b)) (:goal {}))"
+    return ground(read_task(Source("t", text.format(goal)), domain)).unreachable
+
+
+def test_the_part_of_a_goal_that_is_out_of_reach_is_named() -> None:
+    assert parts_out_of_reach("(and (q a) (q b))") == ()
+    assert parts_out_of_reach("(and (q a) (p))") == ("(p) is false, and no action makes it true",)
+    assert parts_out_of_reach("(and (q a) (not (r a)))") == (
+        "(r a) is true, and no action makes it false",
+    )
+    assert parts_out_of_reach("(or (and (p) (r b)) (and (q a) (r b)))") == (
+        "(r b) is false, and no action makes it true",
+    )
+    assert parts_out_of_reach("(= a b)") == ("`a` is not `b`",)
+    assert parts_out_of_reach("(or (p) (q a))") == ()
+
+
+def test_the_parts_of_a_goal_that_are_open_are_named(street: Path) -> None:
+    (street / "lamps.sketch").write_text(
+        'sketch lamps\nuse "domain.pddl"\nfeature n : nat = open_goals\n'
+        "rule r { n = 0 } -> { n? }\n"
+    )
+    status, output, _ = call("run", street / "lamps.sketch", street / "task.pddl")
+    assert status == 1
+    assert "the goal is not reached: (lit c) is false" in output

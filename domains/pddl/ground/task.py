@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
-from domains.pddl.ground.conjunctions import TooLargeError, conjunctions
+from domains.pddl.features.rows import bits_of
+from domains.pddl.ground.conjunctions import Conjunction, TooLargeError, conjunctions
 from domains.pddl.ground.layout import Layout, make_layout, object_order
 from domains.pddl.ground.reach import Case, Reached, Values, reach
 from domains.pddl.syntax.lists import PddlError
@@ -62,8 +63,9 @@ class Operator:
 class GroundTask:
     """What does not change in a task. Objects are numbered by their place in `objects`; sets of
     objects are bits. `static` has the atoms of predicates that no action changes, `goal` the
-    cases of the goal, `goal_atoms` the atoms that all of its cases ask for. `memory` is for what
-    others work out once from a task."""
+    cases of the goal that can hold, `goal_atoms` the atoms that all of its cases ask for. If there
+    is no such case, `unreachable` are the parts of the goal, in words, that keep the case back
+    which has fewest. `memory` is for what others work out once from a task."""
 
     pddl: PddlTask
     objects: tuple[str, ...]
@@ -74,6 +76,7 @@ class GroundTask:
     goal: tuple[Condition, ...]
     goal_atoms: Mapping[str, frozenset[Values]]
     operators: tuple[Operator, ...]
+    unreachable: tuple[str, ...] = ()
     memory: dict[object, Any] = field(default_factory=dict, repr=False)
 
     def number(self, name: str) -> int:
@@ -89,6 +92,23 @@ class GroundTask:
             ),
             default=1,
         )
+
+    def open_parts(self, bits: int) -> list[str]:
+        """The parts of the goal that do not hold, in the case of which fewest do not."""
+
+        def lacking(case: Condition) -> tuple[int, int]:
+            return case.true & ~bits, case.false & bits
+
+        nearest = min(self.goal, key=lambda case: sum(map(int.bit_count, lacking(case))))
+        true, false = lacking(nearest)
+        return [f"{self.atom(bit)} is false" for bit in bits_of(true)] + [
+            f"{self.atom(bit)} is true" for bit in bits_of(false)
+        ]
+
+    def atom(self, bit: int) -> str:
+        """The atom of a bit, as PDDL writes it."""
+        (box,) = [box for box in self.layout.boxes.values() if box.mask >> bit & 1]
+        return f"({' '.join((box.predicate, *(self.objects[v] for v in box.values(bit))))})"
 
     @cached_property
     def goal_mask(self) -> int:
@@ -130,6 +150,8 @@ class _Grounder:
             }
         )
         self.changing = pddl.domain.changing()
+        self.place = {thing.name: number for number, thing in enumerate(pddl.objects)}
+        self.derived = {name: frozenset(found) for name, found in reached.atoms.items()}
 
     def task(self) -> GroundTask:
         """All of it."""
@@ -149,7 +171,7 @@ class _Grounder:
             type_: sum(1 << self.number[name] for name in self.pddl.members((type_,)))
             for type_ in {OBJECT, *self.pddl.domain.types}
         }
-        goal, goal_atoms = self._goal()
+        goal, goal_atoms, unreachable = self._goal()
         return GroundTask(
             self.pddl,
             self.objects,
@@ -160,11 +182,14 @@ class _Grounder:
             goal,
             goal_atoms,
             tuple(dict.fromkeys(self._operators())),
+            unreachable,
         )
 
     # The goal.
 
-    def _goal(self) -> tuple[tuple[Condition, ...], dict[str, frozenset[Values]]]:
+    def _goal(
+        self,
+    ) -> tuple[tuple[Condition, ...], dict[str, frozenset[Values]], tuple[str, ...]]:
         try:
             cases = conjunctions(self.pddl.goal, self.pddl)
         except TooLargeError as error:
@@ -173,18 +198,48 @@ class _Grounder:
             ) from None
         conditions = []
         common: set[tuple[str, Values]] | None = None
+        missing: list[list[str]] = []
         for case in cases:
+            missing.append(self._out_of_reach(case))
             if any((left == right) != same for left, right, same in case.equal):
                 continue
             named = {(atom.name, self._values(atom, {})) for atom in case.true}
             common = named if common is None else common & named
-            condition = self._condition(case.true, case.false, {}, static=True)
-            if condition is not None:
+            if not missing[-1]:
+                condition = self._condition(case.true, case.false, {}, static=True)
+                assert condition is not None, "all of its atoms can become true"
                 conditions.append(condition)
         atoms: dict[str, set[Values]] = {}
         for name, values in common or ():
             atoms.setdefault(name, set()).add(values)
-        return tuple(conditions), {name: frozenset(found) for name, found in atoms.items()}
+        unreachable = () if conditions or not missing else tuple(sorted(missing, key=len)[0])
+        return (
+            tuple(conditions),
+            {name: frozenset(found) for name, found in atoms.items()},
+            unreachable,
+        )
+
+    def _out_of_reach(self, case: Conjunction) -> list[str]:
+        """The parts of a case of the goal that can never hold, in words."""
+        init = self.pddl.init
+        found = []
+        for atom in case.true:
+            fact = (atom.name, *atom.terms)
+            values = tuple(self.place[term] for term in atom.terms)
+            if atom.name in self.changing:
+                if values not in self.derived[atom.name]:
+                    found.append(f"({' '.join(fact)}) can never become true")
+            elif fact not in init:
+                found.append(f"({' '.join(fact)}) is false, and no action makes it true")
+        for atom in case.false:
+            fact = (atom.name, *atom.terms)
+            if atom.name not in self.changing and fact in init:
+                found.append(f"({' '.join(fact)}) is true, and no action makes it false")
+        for left, right, same in case.equal:
+            if (left == right) != same:
+                found.append(f"`{left}` is {'not' if same else 'the same as'} `{right}`")
+        both = {(a.name, *a.terms) for a in case.true} & {(a.name, *a.terms) for a in case.false}
+        return found + [f"({' '.join(fact)}) would have to be true and false" for fact in both]
 
     # Operators.
 
