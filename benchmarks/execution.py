@@ -18,6 +18,7 @@ from domains.tabletop.loop.disturb import KINDS
 from domains.tabletop.problem import TabletopProblem
 from domains.tabletop.scene.load import load_scene
 from domains.tabletop.world import TabletopWorld
+from runtime.bench.paper import SCENES
 from runtime.physics.execute import execute
 from runtime.plan.model import Plan
 from runtime.robot.load import DEFAULT_ROBOT, load_robot
@@ -31,16 +32,6 @@ from sketchlang.library import find_scene
 from sketchlang.loader import load_sketch
 
 SKETCH = "pick_and_place"
-SCENES = (
-    "sorting/1t-20",
-    "sorting/3t-02",
-    "sorting/3t-25",
-    "sorting/4t-07",
-    "sorting/4t-28",
-    "non_monotonic/2t-11",
-    "words/tamp",
-    "words/robot",
-)
 
 
 def planned(scene_name: str, seed: int) -> Trace:

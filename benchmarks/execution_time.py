@@ -20,6 +20,7 @@ from typing import Any
 
 import numpy as np
 
+from runtime.bench.paper import SCENES
 from runtime.reporting import Document
 from runtime.search.limits import Limits
 from runtime.solve import Task, open_task
@@ -29,16 +30,6 @@ from runtime.trace.sketch import load_trace_sketch
 from sketchlang.loader import load_sketch
 
 SKETCH = "pick_and_place"
-SCENES = (
-    "sorting/1t-20",
-    "sorting/3t-02",
-    "sorting/3t-25",
-    "sorting/4t-07",
-    "sorting/4t-28",
-    "non_monotonic/2t-11",
-    "words/tamp",
-    "words/robot",
-)
 
 STILL = 1e-3
 """Metres or radians a second below which something counts as resting."""

@@ -1,7 +1,7 @@
 """How `sketchlang terminate` scales: time and memory of whole processes, and of their parts.
 
-    python benchmarks/termination.py [--features 5,12,20] [--families chain,relay] [--repeat 9]
-    python benchmarks/termination.py --sketches gray:20,closed:16,weighted_sum:60:2000,dense:24:200
+    python -m benchmarks.termination [--features 5,12,20] [--families chain,relay] [--repeat 9]
+    python -m benchmarks.termination --sketches gray:20,closed:16,weighted_sum:60:2000,dense:24:200
 
 A sketch is a family, its features and, where the family has them, its rules and a seed.
 Each line is a sketch of `benchmarks/families.py`: its features, the verdict and the method,
@@ -23,7 +23,7 @@ import time
 from pathlib import Path
 from typing import NamedTuple
 
-from families import FAMILIES
+from benchmarks.families import FAMILIES
 
 ENVIRONMENT = {k: v for k, v in os.environ.items() if k != "PYTHONDONTWRITEBYTECODE"}
 """Modules are compiled once, as they are for users, and not in each process."""

@@ -344,3 +344,11 @@ def test_the_stages_of_the_page_are_functions() -> None:
     assert [name for name, _ in lines] == ["load_source", "parse", "check", "compile_sketch"]
     for name, module in lines:
         assert callable(getattr(importlib.import_module(module), name))
+
+
+def test_all_benchmarks_can_be_imported() -> None:
+    """Nobody runs them every day: what they ask of other modules has to be there."""
+    names = [path.stem for path in (ROOT / "benchmarks").glob("*.py") if path.stem != "__init__"]
+    assert len(names) > 10
+    for name in names:
+        importlib.import_module(f"benchmarks.{name}")

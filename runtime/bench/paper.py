@@ -66,3 +66,6 @@ PUBLISHED = (
     *_words("words/tamp"),
     *_words("words/robot"),
 )
+
+SCENES = tuple(dict.fromkeys(row.scene for row in PUBLISHED))
+"""The eight scenes of the paper."""
