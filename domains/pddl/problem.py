@@ -42,6 +42,10 @@ class PddlProblem:
         """All operators, however often it is asked."""
         return PddlSubproblem(self.task, self.generator, attempt)
 
+    def counters(self, state: State) -> tuple[int, ...]:
+        """#g, the parts of the goal that do not hold, for best-first searches."""
+        return (self.task.open_goals(state.bits),)
+
     def successors(self, state: State) -> list[tuple[Operator, State]]:
         """The operators that apply, and where they lead."""
         return PddlSubproblem(self.task, self.generator, 0).actions(state)

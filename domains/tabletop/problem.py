@@ -70,8 +70,11 @@ class TabletopProblem:
         return TabletopSubproblem(samples, self.executor, min(MAX_SEEDS, SEEDS * 2**attempt))
 
     def counters(self, state: State) -> tuple[int, ...]:
-        """What is in the way of misplaced objects, all together, for best-first searches."""
-        return (sum(obstructions(state, index) for index in misplaced(state)),)
+        """#g, the objects that are misplaced or in the hand, and #r, what is in the way of
+        misplaced objects, all together: for best-first searches."""
+        wrong = misplaced(state)
+        open_goals = len(wrong) + (state.held is not None and state.held not in wrong)
+        return open_goals, sum(obstructions(state, index) for index in wrong)
 
     def improve(
         self, sketch: CompiledSketch, outcome: Outcome, improvement: Improvement, told: Told

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from heapq import heapify, heappop, heappush
 from itertools import count
 
-from runtime.search.guide import Guide
+from runtime.search.guide import GOAL, Guide
 from runtime.search.iw import Node
 from runtime.search.novelty import PartitionedNovelty
 from runtime.search.problem import Action, State
@@ -34,40 +34,40 @@ class Waiting:
     action: Action
     state: State
     counters: Counters
-    rule: str | None
+    is_goal: bool
 
 
 class BestFirstWidth:
-    """One best-first width search. `further` are the counters besides #g.
+    """One best-first width search. `counters` are #g, and #r where that is known, of a state.
 
     X is asked when a state is the best one, so that novelty is about states that can be reached;
     what has lost its novelty while it waited goes back into the queue.
     """
 
-    def __init__(self, query: Query, further: Callable[[State], Counters]) -> None:
+    def __init__(self, query: Query, counters: Callable[[State], Counters]) -> None:
         self.query = query
-        self.further = further
+        self.counters = counters
         self.novelty = PartitionedNovelty(query.k)
         self.reached: set[State] = {query.start}
         self._queue: list[tuple[tuple[int, ...], int, Waiting]] = []
         self._order = count()
 
     def run(self) -> tuple[Node, str] | None:
-        """A node whose state is a subgoal of the start, and the rule it satisfies, or None.
+        """A node whose state is a goal state, with `GOAL` for a rule, or None.
 
         Raises:
             OutOfTimeError: when the limits say so.
         """
         node = Node(self.query.start)
-        self.novelty.add(self._counters(node.state), self.query.guide.atoms(node.state))
+        self.novelty.add(self.counters(node.state), self.query.guide.atoms(node.state))
         while True:
             self._expand(node)
             reached = self._next()
             if reached is None:
                 return None
-            node, rule = reached
-            if rule is not None:
-                return node, rule
+            node, is_goal = reached
+            if is_goal:
+                return node, GOAL
 
     def _expand(self, node: Node) -> None:
         query, guide = self.query, self.query.guide
@@ -76,8 +76,8 @@ class BestFirstWidth:
             query.generate()
             if state in self.reached:
                 continue
-            rule = guide.fired(query.before, guide.values(state), state)
-            self._push(Waiting(node, action, state, self._counters(state), rule))
+            is_goal = guide.reaches_goal(state)
+            self._push(Waiting(node, action, state, self.counters(state), is_goal))
         if len(self._queue) > MOST_WAITING:
             self._queue.sort(key=lambda entry: entry[:2])
             del self._queue[MOST_WAITING // 2 :]
@@ -88,13 +88,13 @@ class BestFirstWidth:
 
     def _place(self, item: Waiting) -> tuple[int, ...]:
         """<w, #g, #r>, or before all others for what would be a goal state."""
-        if item.rule is not None:
+        if item.is_goal:
             return (0,)
         w = self.novelty.width(item.counters, self.query.guide.atoms(item.state))
         return (w, *item.counters)
 
-    def _next(self) -> tuple[Node, str | None] | None:
-        """The best state that can be reached, as a node, and the rule that it satisfies."""
+    def _next(self) -> tuple[Node, bool] | None:
+        """The best state that can be reached, as a node, and whether it is a goal state."""
         while self._queue:
             self.query.limits.check()
             place, _, item = heappop(self._queue)
@@ -108,16 +108,12 @@ class BestFirstWidth:
                 continue
             self.reached.add(item.state)
             self.novelty.add(item.counters, self.query.guide.atoms(item.state))
-            return Node(item.state, item.parent, item.action, motion), item.rule
+            return Node(item.state, item.parent, item.action, motion), item.is_goal
         return None
-
-    def _counters(self, state: State) -> Counters:
-        guide = self.query.guide
-        return (open_goals(guide, state), *self.further(state))
 
 
 def open_goals(guide: Guide, state: State) -> int:
-    """#g: what the sketch's goal wants to be 0 and is not, counted, and its other parts that do
+    """#g by a sketch: what its goal wants to be 0 and is not, counted, and its other parts that do
     not hold."""
     values = guide.values(state)
     goal = guide.model.goal or {}

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections import deque
 
+from runtime.search.guide import GOAL
 from runtime.search.iw import Node
 from runtime.search.query import Query
 
 
 def brfs(query: Query) -> tuple[Node, str] | None:
-    """A nearest node whose state is a subgoal of the start, and the rule it satisfies, or None.
+    """A nearest node whose state is a goal state, with `GOAL` for a rule, or None.
 
     Every edge of the tree is executable: its motion is planned before the child is kept.
 
@@ -30,9 +31,8 @@ def brfs(query: Query) -> tuple[Node, str] | None:
             if motion is None:
                 continue
             child = Node(state, node, action, motion)
-            rule = guide.fired(query.before, guide.values(state), state)
-            if rule is not None:
-                return child, rule
+            if guide.reaches_goal(state):
+                return child, GOAL
             reached.add(state)
             queue.append(child)
     return None

@@ -104,6 +104,12 @@ class Guide:
             return self.sketch.goal_test(state)
         return self.model.is_goal(values)
 
+    def reaches_goal(self, state: State) -> bool:
+        """Whether a state is a goal state, its features computed only if that depends on them."""
+        if self.sketch.goal_test is not None:
+            return self.sketch.goal_test(state)
+        return self.model.is_goal(self.values(state))
+
     def fired(self, before: Values, after: Values, state: State) -> str | None:
         """The rule that a pair of states satisfies, the second of which is `state`; `GOAL` for a
         goal state, else None."""

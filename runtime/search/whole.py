@@ -17,7 +17,7 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 
-from runtime.search.bfws import BestFirstWidth
+from runtime.search.bfws import BestFirstWidth, open_goals
 from runtime.search.brfs import brfs
 from runtime.search.limits import Limits
 from runtime.search.problem import SearchProblem, State, Subproblem
@@ -48,10 +48,10 @@ class Whole(Protocol):
 
 @runtime_checkable
 class Counting(Protocol):
-    """A problem with counters for best-first searches, besides the goals that are open."""
+    """A problem with counters for best-first searches, for which no sketch is asked."""
 
     def counters(self, state: State) -> tuple[int, ...]:
-        """Numbers that are 0 where nothing is in the way of a goal."""
+        """#g, how many goals are open, and what is in the way of them, where that is known."""
         ...
 
 
@@ -84,7 +84,7 @@ def _solve(
 ) -> Outcome:
     """Solve a problem in one go. Time is the only limit: there is no subproblem to give up."""
     never = sys.maxsize
-    patient = replace(limits, rejections=never, generated=never, blind=never)
+    patient = replace(limits, rejections=never, refusals=never, generated=never, blind=never)
     goal_only = replace(sketch, model=replace(sketch.model, rules=()))
     return serialize(search, goal_only, WholeProblem(problem), patient, rng, progress, turns)
 
@@ -105,8 +105,11 @@ def _breadth_first(query: Query) -> tuple[list[Step], str] | None:
 
 
 def _best_first(query: Query, problem: SearchProblem) -> tuple[list[Step], str] | None:
-    further = problem.counters if isinstance(problem, Counting) else lambda state: ()
-    return steps_to(BestFirstWidth(query, further).run())
+    def by_goal(state: State) -> tuple[int, ...]:
+        return (open_goals(query.guide, state),)
+
+    counters = problem.counters if isinstance(problem, Counting) else by_goal
+    return steps_to(BestFirstWidth(query, counters).run())
 
 
 def brfs_whole(

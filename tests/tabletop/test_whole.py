@@ -10,7 +10,7 @@ import pytest
 
 from domains.tabletop.problem import TabletopProblem
 from domains.tabletop.sampling.whole import sample_whole, unoccupied
-from domains.tabletop.state import Placement
+from domains.tabletop.state import Grasp, Placement
 from runtime.search.limits import Limits
 from runtime.search.planners import PLANNERS
 from runtime.search.whole import Counting, Whole
@@ -58,10 +58,13 @@ def test_places_that_something_stands_on_are_left_out(two) -> None:
 def test_a_tabletop_problem_is_offered_as_a_whole(two) -> None:
     assert isinstance(two, Whole)
     assert isinstance(two, Counting)
-    assert two.counters(two.initial) >= (0,)
+    assert two.counters(two.initial)[0] == 1
     far = two.initial.placements[1]
     done = two.initial.placed(1, Placement.of(0.9, -0.9, 0.0, 1 - far.support))
-    assert two.counters(done) == (0,)
+    assert two.counters(done) == (0, 0)
+    grasp = Grasp.of(0.0, 0.1)
+    assert two.counters(two.initial.picked(1, grasp))[0] == 1
+    assert two.counters(done.picked(0, grasp))[0] == 1
 
 
 @pytest.mark.parametrize("planner", BLIND)

@@ -59,6 +59,12 @@ def test_runs_that_are_not_solved_count_as_longer_than_their_limit() -> None:
     assert worse["95 %"] == "-"
 
 
+def test_tables_of_the_scenes_of_the_paper_are_whole() -> None:
+    """Nothing has to be made a heading so that they fit."""
+    for table in tables_of("plain", results(SCENES, PLANNERS)):
+        assert not any(line.startswith("scene:") for line in markdown(table)), table.title
+
+
 def test_every_system_of_the_paper_has_its_row() -> None:
     table = beside_paper(summarise(results(SCENES, PLANNERS)))
     told = [row[:3] for row in table.rows]

@@ -145,3 +145,11 @@ def test_what_has_lost_its_novelty_while_it_waited_comes_after_what_is_new() -> 
     outcome = PLANNERS["bfws"](of, problem, Limits(k_max=1), np.random.default_rng(0))
     assert outcome.solved
     assert problem.asked == [(0, 1), (0, 3), (0, 2), (2, END)]
+
+
+@pytest.mark.parametrize("planner", BLIND)
+def test_no_number_of_refusals_ends_a_search(planner) -> None:
+    refused = range(100, 400)
+    problem = Graph({0: [*refused, 1], 1: [END]}, frozenset((0, state) for state in refused))
+    assert solved(planner, problem).solved
+    assert set(problem.asked) >= {(0, state) for state in refused}
