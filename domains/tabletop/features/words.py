@@ -25,6 +25,9 @@ if TYPE_CHECKING:
 ALIGNED = 0.05
 """Radians by which a block of the row may be turned against the table."""
 
+NEAR = 0.25
+"""Metres around an empty slot within which a block may be in the hand's way."""
+
 DIRECTIONS = ((1, 0), (0, 1), (-1, 0), (0, -1))
 
 
@@ -77,15 +80,20 @@ class WordGoals:
 
     def _best_row(self, blocks: dict[int, tuple[float, float, bool]]) -> tuple[Row, dict[int, int]]:
         """The row with the largest valid sequence; among equals the one whose empty slots
-        the fewest blocks stand in."""
-        best: tuple[int, int, Row, dict[int, int]] | None = None
+        the fewest blocks stand in, then the least crowded one: what is near bars the hand's way.
+        The last word has where it lies, and not which block it was found by: it must not turn
+        round when one more block is in it."""
+        best: tuple[tuple[int, int, int, list[int]], Row, dict[int, int]] | None = None
         for row in self._rows(blocks):
             filled = self._filled(row, blocks)
-            blockers = self._blockers(row, filled, blocks)
-            if best is None or (-len(filled), blockers) < best[:2]:
-                best = (-len(filled), blockers, row, filled)
+            if best is not None and -len(filled) > best[0][0]:
+                continue
+            place = [round(1000 * value) for slot in row.slots for value in slot]
+            rank = (-len(filled), *self._blockers(row, filled, blocks), place)
+            if best is None or rank < best[0]:
+                best = (rank, row, filled)
         assert best is not None, "the loader refuses words that are longer than their table"
-        return best[2], best[3]
+        return best[1], best[2]
 
     def _rows(self, blocks: dict[int, tuple[float, float, bool]]) -> list[Row]:
         """Rows through a block that is aligned; rows anywhere if none of them has room."""
@@ -138,17 +146,18 @@ class WordGoals:
 
     def _blockers(
         self, row: Row, filled: dict[int, int], blocks: dict[int, tuple[float, float, bool]]
-    ) -> int:
+    ) -> tuple[int, int]:
+        """Blocks that stand in empty slots of a row, and how crowded these are: millimetres by
+        which others are nearer than `NEAR`, summed."""
         placed = set(filled.values())
-        return sum(
-            any(
-                math.hypot(x - sx, y - sy) < self.goal.pitch * 0.9
-                for number, (sx, sy) in enumerate(row.slots)
-                if number not in filled
-            )
-            for index, (x, y, _) in blocks.items()
-            if index not in placed
-        )
+        empty = [slot for number, slot in enumerate(row.slots) if number not in filled]
+        inside = crowd = 0
+        for index, (x, y, _) in blocks.items():
+            if index not in placed and empty:
+                nearest = min(math.hypot(x - sx, y - sy) for sx, sy in empty)
+                inside += nearest < self.goal.pitch * 0.9
+                crowd += max(0, round(1000 * (NEAR - nearest)))
+        return inside, crowd
 
     def _block_for(self, letter: str, used: set[int], arrangement: Arrangement) -> int | None:
         """A block for an empty slot: the one that is away, else the easiest to pick up."""
