@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import json
 import os
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -17,7 +16,6 @@ from sketchlang.cli import names
 from sketchlang.cli.common import Number, fail, interruptible, say
 
 if TYPE_CHECKING:
-    from runtime.bench.comparison import Compared
     from runtime.bench.job import Job, Result
     from runtime.bench.runner import Lost
     from runtime.bench.store import Store
@@ -32,13 +30,17 @@ class BenchGroup(click.Group):
     """`bench SUITE` is `bench run SUITE`; `kinder` is a suite with options of its own."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
-        return [*super().list_commands(ctx), "kinder"]
+        return [RUN, "compare", "kinder"]
 
     def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
         if name == "kinder":
             from sketchlang.cli import kinder
 
             return kinder.command
+        if name == "compare":
+            from sketchlang.cli import bench_compare
+
+            return bench_compare.command
         return super().get_command(ctx, name)
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
@@ -225,6 +227,7 @@ class Shown:
         """Print it: the data on standard output, what else there is to say beside it."""
         from runtime.bench.summary import summarise
         from runtime.bench.write.data import as_csv, as_json
+        from runtime.bench.write.tables import lines_of
 
         if shape == "csv":
             say(*as_csv(summarise(self.results)))
@@ -235,7 +238,7 @@ class Shown:
             ]
             click.echo(as_json(self.suite.name, summarise(self.results), without))
         else:
-            _print(self.tables(), shape)
+            say(*lines_of(self.tables(), shape))
         for result in self.results:
             if not (result["solved"] and result.get("valid")):
                 reason = result.get("reason") or "; ".join(result.get("findings", []))
@@ -253,16 +256,6 @@ class Shown:
         from runtime.bench.tables import tables_of
 
         return tables_of(self.suite.tables, self.results)
-
-
-def _print(tables: list[Table], shape: str) -> None:
-    """Print tables, an empty line between two of them."""
-    from runtime.bench.write.latex import latex
-    from runtime.bench.write.markdown import markdown
-
-    write = latex if shape == "latex" else markdown
-    for number, table in enumerate(tables):
-        say(*([""] if number else []), *write(table))
 
 
 def _draw(suite: Suite, results: list[Result], picture: Path, quiet: bool) -> None:
@@ -292,63 +285,3 @@ def _refuse_other_pictures(path: Path, picture: Path) -> None:
     with reading.recording():  # of its own: the picture is read to know it, and may be replaced
         if os.path.lexists(picture) and MARK not in read_text(picture):
             raise InputError("is here already and not a plot of a suite", place=str(picture))
-
-
-@command.command("compare")
-@click.argument("first", metavar="A")
-@click.argument("second", metavar="B")
-@click.option(
-    "--format", "shape", type=click.Choice(("md", "latex", "json")), default="md",
-    show_default=True, help="What is printed.",
-)  # fmt: skip
-@interruptible
-def compare(first: str, second: str, shape: str) -> None:
-    """Compare the results A and B of benchmarks, run by run: the same scene and seed.
-
-    A and B are files of results, as `--out` names them. `FILE:planner=NAME` chooses among the
-    results of a file; sketch, scene and robot can be chosen as well. What is chosen on both sides
-    may differ between the two runs of a pair.
-
-    \b
-    Examples:
-      sketchlang bench compare before.jsonl after.jsonl
-      sketchlang bench compare r.jsonl:planner=siw-r r.jsonl:planner=lazy-siiw-r
-
-    Exit 0: compared. 2: bad input, or no pairs.
-    """
-    from runtime.bench import comparison
-    from runtime.bench.store import read_results
-    from sketchlang.errors import InputError
-
-    try:
-        sides: list[list[Result]] = []
-        choices: list[dict[str, str]] = []
-        for side in (first, second):
-            file, _, words = side.partition(":")
-            if not os.path.lexists(file):
-                raise InputError("no such file", place=file)
-            choices.append(comparison.choice_of(words))
-            sides.append(comparison.chosen(read_results(Path(file)), choices[-1]))
-        pairs = comparison.paired(sides[0], sides[1], set(choices[0]) & set(choices[1]))
-        if not pairs:
-            message = "no run of A has the sketch, scene, planner, robot and seed of one of B"
-            raise InputError(message, hint="choose what may differ: FILE:planner=NAME")
-        found = {scene: comparison.compared(group) for scene, group in pairs.items()}
-        if len(found) > 1:
-            found["all"] = comparison.compared([pair for group in pairs.values() for pair in group])
-    except InputError as error:
-        fail(error)
-    _tell(first, second, found, shape)
-
-
-def _tell(first: str, second: str, found: dict[str, Compared], shape: str) -> None:
-    from runtime.bench.comparison import tables
-
-    if shape == "json":
-        data: dict[str, Any] = {"a": first, "b": second}
-        data["scenes"] = {scene: c.as_data() for scene, c in found.items()}
-        click.echo(json.dumps(data, indent=1))
-        return
-    if shape == "md":
-        say(f"A: {first}", f"B: {second}", "")
-    _print([table for table in tables(found) if table.rows], shape)
