@@ -59,6 +59,7 @@ class Breadth:
         self._seen = np.zeros((rows, generator.width * (2 if atoms.negated else 1)), np.uint64)
         self.states = np.empty((FIRST_ROOM, generator.width), np.uint64)
         self.origin = np.zeros((FIRST_ROOM, 3), np.int64)
+        self._marks = generator.marks.copy()
         self.states[0] = generator.words(self.start)
         now = np.empty(self._seen.shape[1], np.uint64)
         literals(self.states[0], self._mask, self._negated, now)
@@ -75,7 +76,7 @@ class Breadth:
             self.head, self.tail, self.tried, lacking = expand(
                 tree.bit, tree.skip, tree.start, tree.operators,
                 changes.first, changes.bits, changes.conditional,
-                self._mask, self._negated, self._seen, self.k,
+                self._mask, self._negated, self._seen, self.k, self._marks,
                 self.states, self.origin, self.head, self.tail, most, self.generator.room,
             )  # fmt: skip
             if not lacking:

@@ -8,12 +8,17 @@ from numpy.typing import NDArray
 
 Words = NDArray[np.uint64]
 Ints = NDArray[np.int64]
+Bytes = NDArray[np.uint8]
 
 FALSE, ADDS, DELETES = 1, 2, 3
 """Where the lists of an operator, or of one of its conditional changes, are: bits that have to be
 true, that have to be false, that become true and that become false."""
 
 LISTS = 4
+
+CHECKED, CONDITIONAL, SPENT = 1, 2, 4
+"""Marks of operators: something has to be false, something changes under a condition, and nothing
+new can come of it any more in a search of width 1."""
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
@@ -162,7 +167,8 @@ def may_be_new(
     k: int,
 ) -> bool:
     """Whether an operator without conditional changes can make a literal true that was false,
-    and for k = 1 that was not seen: a quick look that spares most states."""
+    and for k = 1 that was not seen: a quick look that spares most states. With k = 1, what can
+    bring nothing new once never does again."""
     width = mask.shape[0]
     for at in range(first[LISTS * operator + ADDS], first[LISTS * operator + ADDS + 1]):
         place = bits[at]
@@ -171,7 +177,9 @@ def may_be_new(
     if seen.shape[1] > width:
         for at in range(first[LISTS * operator + DELETES], first[LISTS * operator + DELETES + 1]):
             place = bits[at]
-            if has(negated, place) and has(words, place):
+            if has(negated, place) and not (
+                has(seen[0], place + 64 * width) if k == 1 else not has(words, place)
+            ):
                 return True
     return False
 
@@ -189,6 +197,7 @@ def expand(
     negated: Words,
     seen: Words,
     k: int,
+    marks: Bytes,
     states: Words,
     origin: Ints,
     head: int,
@@ -199,7 +208,7 @@ def expand(
     """Expand states of a queue by IW(k), from `head` on, until `most` have been added or as many
     operators tried as 64 times that. The queue is `states[:tail]`; `origin[i]` is what state i
     was made of: state, operator, and how many operators had been tried in the whole search, of
-    which `origin[0, 2]` keeps count.
+    which `origin[0, 2]` keeps count. `marks` are those of operators.
 
     Returns the new head and tail, operators tried, and how many states there was no room for: if
     any, the state at `head` has not been expanded.
@@ -217,12 +226,17 @@ def expand(
         literals(words, mask, negated, known)
         for at in range(found):
             operator = room[at]
-            if forbidden(words, operator, first, bits):
+            signs = marks[operator]
+            if signs & CHECKED and forbidden(words, operator, first, bits):
                 continue
             tried += 1
-            if conditional[operator] == conditional[operator + 1] and not may_be_new(
+            if signs & SPENT:
+                continue
+            if not signs & CONDITIONAL and not may_be_new(
                 words, operator, first, bits, mask, negated, seen, k
             ):
+                if k == 1:
+                    marks[operator] |= SPENT
                 continue
             after = states[tail]
             follow(words, after, operator, first, bits, conditional)

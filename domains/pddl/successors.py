@@ -124,6 +124,22 @@ class Successors:
         return make_changes(self.operators)
 
     @cached_property
+    def marks(self) -> NDArray[np.uint8]:
+        """What operators have, as `kernels.CHECKED` and its neighbours say."""
+        import numpy as np
+
+        from domains.pddl.kernels import CHECKED, CONDITIONAL
+
+        return np.array(
+            [
+                (CHECKED if operator.condition.false else 0)
+                | (CONDITIONAL if operator.conditional else 0)
+                for operator in self.operators
+            ],
+            np.uint8,
+        )
+
+    @cached_property
     def room(self) -> NDArray[np.int64]:
         """A place for the number of every operator."""
         import numpy as np
@@ -162,13 +178,15 @@ class Successors:
 
     def numbers(self, bits: int) -> list[int]:
         """The numbers of the operators whose precondition a state satisfies."""
-        from domains.pddl.kernels import applicable
+        from domains.pddl.kernels import CHECKED, applicable
 
-        tree, operators = self.tree, self.operators
+        tree, operators, marks = self.tree, self.operators, self.marks
         found = applicable(
             self.words(bits), tree.bit, tree.skip, tree.start, tree.operators, self.room
         )
-        numbers = self.room[:found].tolist()
+        numbers: list[int] = self.room[:found].tolist()
+        if not (marks[self.room[:found]] & CHECKED).any():
+            return numbers
         return [number for number in numbers if not bits & operators[number].condition.false]
 
     def applicable(self, bits: int) -> list[Operator]:
