@@ -271,6 +271,11 @@ class Compiler:
         if pattern[1] == ONE and isinstance(where, Changing):
             return _column(where, end)
         many = pattern[1] == MANY
+        if isinstance(where, Fixed):
+            columns = rows.getter(where.columns)
+            if many:
+                return lambda frame: rows.image(columns, end(frame))
+            return lambda frame: columns(end(frame))
 
         def before(frame: Frame) -> Mask:
             wanted = end(frame)

@@ -79,6 +79,11 @@ class Fixed:
             found[values[:-1]] = found.get(values[:-1], 0) | 1 << values[-1]
         return found
 
+    @cached_property
+    def columns(self) -> dict[int, Mask]:
+        """Of two arguments: what the first can be, by the last."""
+        return of_pairs((values[1], values[0]) for values in self.atoms)
+
     def holds(self, _bits: int, values: Values) -> bool:
         """Whether an atom is true."""
         return values in self.atoms
