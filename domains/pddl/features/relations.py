@@ -67,8 +67,24 @@ def row_of(compiler: Compiler, node: Node) -> Callable[[Frame], Row]:
             return lambda element: last(bits, (element,))
 
         return of_state
+    if node.kind == "restrict":
+        return _restricted_rows(compiler, node)
     run = compiler.run(node)
     return lambda frame: rows.getter(run(frame))
+
+
+def _restricted_rows(compiler: Compiler, node: Node) -> Callable[[Frame], Row]:
+    """The rows of a restricted relation, of which only those are made that are asked for."""
+    relation = row_of(compiler, node.parts[0])
+    start = compiler.run(node.parts[1])
+    end = compiler.run(node.parts[2]) if len(node.parts) == 3 else None
+
+    def of_frame(frame: Frame) -> Row:
+        row, first = relation(frame), start(frame)
+        last = -1 if end is None else end(frame)
+        return lambda element: row(element) & last if first >> element & 1 else 0
+
+    return of_frame
 
 
 def _apply(compiler: Compiler, node: Node) -> Run:
