@@ -110,8 +110,15 @@ class Successors:
     """The operators of a task that apply in a state, in a fixed order."""
 
     def __init__(self, task: GroundTask) -> None:
-        self.operators = task.operators
+        self._task = task
         self.width = max(1, -(-task.layout.size // WORD))
+
+    @cached_property
+    def operators(self) -> tuple[Operator, ...]:
+        """The operators in the order of the walk, so that what is needed together lies together;
+        their numbers are their places here."""
+        operators = self._task.operators
+        return tuple([operators[number] for number in make_tree(operators).operators.tolist()])
 
     @cached_property
     def tree(self) -> Tree:
