@@ -5,15 +5,21 @@ from __future__ import annotations
 import random
 from itertools import product
 
+import numpy as np
 import pytest
 
 from domains.pddl import replay
 from domains.pddl.ground.task import ground
+from domains.pddl.interface import make_interface
 from domains.pddl.plan import step_of
 from domains.pddl.problem import PddlProblem
 from domains.pddl.state import State, atom_texts
 from domains.pddl.syntax.model import PddlTask
 from domains.pddl.syntax.read import read_domain, read_task
+from runtime.search.limits import Limits
+from runtime.solve import solve
+from sketchlang.compile import compile_sketch
+from sketchlang.loader import load_text
 from sketchlang.source import Source
 from tests.pddl.random_tasks import texts
 
@@ -97,3 +103,55 @@ def test_a_wrong_plan_is_refused() -> None:
     task = task_of(3)
     verdict = replay.replay(task, [step_of("(fly box0)")])
     assert [f.message for f in verdict.findings] == ["there is no action `fly`"]
+
+
+SEARCHED = 400
+"""So many states of a task are looked at by its text."""
+
+
+def reachable_goal(task: PddlTask) -> bool | None:
+    """Whether the text of a task has a way to its goal; None where the states are too many."""
+    queue, seen = [task.init], {task.init}
+    for state in queue:
+        if replay.holds(task, state, task.goal, {}):
+            return True
+        for _, after in successors_by_text(task, state):
+            if after not in seen:
+                seen.add(after)
+                queue.append(after)
+        if len(queue) > SEARCHED:
+            return None
+    return False
+
+
+def plan(seed: int) -> bool:
+    """Plan for a random task without knowledge of its domain; whether there was a plan."""
+    task = task_of(seed)
+    interface = make_interface(task.domain)
+    text = """
+        sketch blind use "d.pddl" feature g : nat = open_goals goal { g = 0 }
+        rule one { g > 0 } -> { g-- } rule all { g > 0 } -> { g? }
+    """
+    checked = load_text(Source("s", text), {}, interface).checked
+    problem = PddlProblem(ground(task))
+    limits = Limits(k_max=2)
+    outcome = solve(compile_sketch(checked), problem, limits, np.random.default_rng(0))
+    steps = [step_of(action.name) for subgoal in outcome.subgoals for action in subgoal.actions]
+    assert replay.replay(task, steps).valid == outcome.solved
+    if problem.task.unreachable:
+        assert not outcome.solved
+    reachable = reachable_goal(task) if not outcome.solved or seed % 10 == 0 else None
+    if reachable is False:
+        assert not outcome.solved
+    if reachable:
+        assert not problem.task.unreachable
+    return outcome.solved
+
+
+def test_plans_are_valid_and_what_is_called_unreachable_is() -> None:
+    assert sum(map(plan, range(40))) > 5
+
+
+@pytest.mark.slow
+def test_plans_of_a_thousand_tasks() -> None:
+    assert sum(map(plan, range(1000, 2000))) > 100
