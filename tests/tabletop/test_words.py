@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+import random
 from dataclasses import replace
 
 import pytest
 
 from domains.tabletop.features.functions import arrangement, misplaced
+from domains.tabletop.features.words import NEAR
 from domains.tabletop.problem import load_problem
 from domains.tabletop.state import Placement, State
 from domains.tabletop.world import TabletopWorld
@@ -95,3 +97,45 @@ def test_a_row_without_room_for_the_whole_word_does_not_count(task) -> None:
     goals = task.letters(here)
     both = all(i in goals and goals[i].holds(state.placements[i]) for i in (first, second))
     assert not both
+
+
+def row_of(task: TabletopWorld, state: State) -> list[tuple[float, ...]]:
+    """Where the letters of the word belong, in the order of the word, where that is still asked."""
+    words = task.words
+    assert words is not None
+    row, _ = words._best_row(words._blocks(arrangement(task, state.placements)))
+    return [tuple(round(value, 3) for value in slot) for slot in row.slots]
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_row_stays_where_it_is_while_the_word_is_spelled(task, seed) -> None:
+    """Also if one half of the word mirrors the other: it does not turn round for one more."""
+    choose = random.Random(seed).choice
+    state = task.initial
+    first = row_of(task, state)
+    while misplaced(state):
+        goals = task.words.assign(arrangement(task, state.placements))
+        index = choose(sorted(misplaced(state)))
+        x, y = goals[index].xy[0]
+        placed = Placement.of(x, y, task.grounds[task.scene.word.support].yaw, goals[index].support)
+        placements = (*state.placements[:index], placed, *state.placements[index + 1 :])
+        state = replace(state, placements=placements)
+        assert row_of(task, state) == first
+
+
+def test_a_row_is_not_laid_where_blocks_crowd(task) -> None:
+    """The same table with all blocks that are not in the chosen row packed around it: another row
+    is chosen, if it is as good otherwise."""
+    words = task.words
+    blocks = words._blocks(arrangement(task, task.initial.placements))
+    chosen, filled = words._best_row(blocks)
+    crowd = {}
+    for row in words._rows(blocks):
+        now = words._filled(row, blocks)
+        if len(now) == len(filled) and words._blockers(row, now, blocks)[0] == 0:
+            empty = [slot for number, slot in enumerate(row.slots) if number not in now]
+            others = [block for index, block in blocks.items() if index not in now.values()]
+            near = [min(math.dist(block[:2], slot) for slot in empty) for block in others]
+            crowd[row] = sum(max(0.0, NEAR - distance) for distance in near)
+    assert crowd[chosen] <= min(crowd.values()) + 0.001 * len(blocks)
+    assert max(crowd.values()) > crowd[chosen]
