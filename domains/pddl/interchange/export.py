@@ -11,7 +11,8 @@ from dataclasses import dataclass, replace
 from itertools import product
 
 from domains.pddl.interchange import runir
-from domains.pddl.interchange.express import Expresser, element
+from domains.pddl.interchange.elements import element
+from domains.pddl.interchange.express import Expresser
 from domains.pddl.interchange.model import Element, NotTranslatedError
 from domains.pddl.interface import PddlInterface
 from sketchlang.checking.checker import CheckedSketch

@@ -3,40 +3,27 @@ becomes a concept, one on two a role. What has no such form is named."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import cast
 
 from domains.pddl.features.called import function_of
 from domains.pddl.features.compiler import Meaning
+from domains.pddl.interchange.elements import (
+    BOTTOM,
+    TOP,
+    between,
+    conjuncts,
+    element,
+    is_infinite_distance,
+    level_of,
+    name_of,
+    primitive,
+)
 from domains.pddl.interchange.model import Element, NotTranslatedError
-from domains.pddl.interchange.translate import UNREACHABLE
 from domains.pddl.syntax.model import OBJECT
-from sketchlang.checking.typed import MANY, ONE, OPEN, Node
+from sketchlang.checking.typed import ONE, OPEN, Node
 from sketchlang.domain import Function
-
-TOP, BOTTOM = Element("c_top", ()), Element("c_bot", ())
-
-
-def element(name: str, *arguments: Element | str) -> Element:
-    """An element; unions and intersections with everything or nothing are left out."""
-    if name == "c_and" and TOP in arguments:
-        (other,) = [part for part in arguments if part != TOP] or [TOP]
-        assert isinstance(other, Element)
-        return other
-    if name == "r_restrict" and arguments[1] == TOP:
-        assert isinstance(arguments[0], Element)
-        return arguments[0]
-    inner = arguments[0] if arguments else None
-    if name in ("c_not", "r_inverse") and isinstance(inner, Element):
-        if inner.name == name:
-            found = inner.arguments[0]
-            assert isinstance(found, Element)
-            return found
-        if name == "r_inverse" and inner.name == "r_primitive":
-            predicate, first, second = inner.arguments
-            return Element("r_primitive", (predicate, second, first))
-    return Element(name, arguments)
 
 
 @dataclass(frozen=True)
@@ -65,7 +52,7 @@ class Expresser:
             case "call" if not node.parts:
                 meaning = self._meaning(node)
                 if meaning.kind == "predicate":
-                    return element("b_nullary", _name(meaning)), True
+                    return element("b_nullary", name_of(meaning)), True
             case "image" | "apply" | "apply+" | "apply*" | "call" if not node.free:
                 # One end is left open, and there has to be something at it.
                 return element("b_empty", self._first_end(node)), False
@@ -78,12 +65,12 @@ class Expresser:
                 return element("n_count", self._chosen(node))
             case "sum":
                 over, condition, body = node.parts
-                level = _level(node)
+                level = level_of(node)
                 if body.kind == "count":
                     start = element("c_and", self.concept(over), self.holds(condition, level))
                     role = self._links(body, level)
-                    return element("n_count", _between(start, role, TOP))
-            case "if" if _is_infinite_distance(node):
+                    return element("n_count", between(start, role, TOP))
+            case "if" if is_infinite_distance(node):
                 return self.number(node.parts[1])
             case "distance":
                 source, relation, target = node.parts
@@ -115,7 +102,7 @@ class Expresser:
                 return found
             case "set":
                 over, condition = node.parts
-                return element("c_and", self.concept(over), self.holds(condition, _level(node)))
+                return element("c_and", self.concept(over), self.holds(condition, level_of(node)))
             case "|" | "&" | "-":
                 return self._folded({"|": "c_or", "&": "c_and", "-": "c_diff"}, node, self.concept)
         raise self._fail(node)
@@ -126,7 +113,7 @@ class Expresser:
     def _chosen(self, node: Node) -> Element:
         """What a quantifier goes through and its conditions hold of; of `all`, the exceptions."""
         over, condition, body = node.parts
-        level = _level(node)
+        level = level_of(node)
         found = element("c_and", self.concept(over), self.holds(condition, level))
         inner = self.holds(body, level)
         if node.kind == "all":
@@ -167,8 +154,8 @@ class Expresser:
                 return element("c_some", self._links(node, level), TOP)
             case "all":
                 over, condition, body = node.parts
-                role = self._linked(over, condition, None, level, _level(node))
-                return element("c_all", role, self.holds(body, _level(node)))
+                role = self._linked(over, condition, None, level, level_of(node))
+                return element("c_all", role, self.holds(body, level_of(node)))
         raise self._fail(node)
 
     def _compared(self, node: Node, level: int) -> Element:
@@ -208,9 +195,9 @@ class Expresser:
             raise self._fail(node)
         (place,) = own
         if not ends:
-            return element("c_primitive", _name(meaning), str(place))
+            return element("c_primitive", name_of(meaning), str(place))
         ((other, end),) = ends.items()
-        return element("c_some", _primitive(meaning, place, other), end)
+        return element("c_some", primitive(meaning, place, other), end)
 
     def _apply(self, node: Node, level: int | None) -> Element:
         """A relation or its closure, with one end open or the variable of a level."""
@@ -239,11 +226,11 @@ class Expresser:
                 return element(
                     "c_and",
                     self.concept(node.parts[0]),
-                    element("c_primitive", _name(meaning), "0"),
+                    element("c_primitive", name_of(meaning), "0"),
                 )
             if meaning.kind == "predicate" and len(node.parts) == 2:
                 start, end = (self.concept(part) for part in node.parts)
-                way = element("c_some", _primitive(meaning, 0, 1), end)
+                way = element("c_some", primitive(meaning, 0, 1), end)
                 return element("c_and", start, way)
             raise self._fail(node)
         relation, first, last = node.parts
@@ -267,11 +254,11 @@ class Expresser:
                 rest = [part for p, part in given.items() if p not in own]
                 if len(given) == len(places) == 1 and not own:
                     ((at, through),) = given.items()
-                    step = _primitive(meaning, at, places[0])
+                    step = primitive(meaning, at, places[0])
                     return element("r_compose", self.row(through, level), step)
                 single = len(own) == 1 and len(places) == 1 and pattern[own[0]] == ONE
                 if single and all(self.concept(part) == TOP for part in rest):
-                    return _primitive(meaning, own[0], places[0])
+                    return primitive(meaning, own[0], places[0])
             case "apply" | "apply+" | "apply*" if len(node.parts) == 2:
                 relation, argument = node.parts
                 if argument.kind == "variable" and not relation.free:
@@ -311,7 +298,7 @@ class Expresser:
                 pattern = node.value[1]  # type: ignore[index]
                 places = [place for place, word in enumerate(pattern) if word == OPEN]
                 if len(places) == 2 and all(self.concept(part) == TOP for part in parts):
-                    return _primitive(meaning, places[0], places[1])
+                    return primitive(meaning, places[0], places[1])
             case "closure+":
                 return element("r_transitive_closure", self.role(parts[0]))
             case "closure*":
@@ -326,11 +313,11 @@ class Expresser:
                 return self._folded({"compose": "r_compose"}, node, self.role)
             case "restrict":
                 end = self.concept(parts[2]) if len(parts) == 3 else TOP
-                return _between(self.concept(parts[1]), self.role(parts[0]), end)
+                return between(self.concept(parts[1]), self.role(parts[0]), end)
             case "pairs":
-                level = _level(node)
+                level = level_of(node)
                 role = self._linked(parts[1], parts[2], None, level, level + 1)
-                return _between(self.concept(parts[0]), role, TOP)
+                return between(self.concept(parts[0]), role, TOP)
             case "|" | "&" | "-":
                 return self._folded({"|": "r_or", "&": "r_and", "-": "r_diff"}, node, self.role)
         raise self._fail(node)
@@ -338,7 +325,7 @@ class Expresser:
     def _links(self, node: Node, level: int) -> Element:
         """The role from the variable of a level to what an inner quantifier chooses."""
         over, condition, body = node.parts
-        return self._linked(over, condition, body, level, _level(node))
+        return self._linked(over, condition, body, level, level_of(node))
 
     def _linked(
         self, over: Node, condition: Node, body: Node | None, level: int, inner: int
@@ -351,7 +338,7 @@ class Expresser:
             role = self.row(over, level)
         else:
             end = self.concept(over)
-        for part in _conjuncts(condition, *([body] if body is not None else [])):
+        for part in conjuncts(condition, *([body] if body is not None else [])):
             if part.free == {level}:
                 start = element("c_and", start, self.holds(part, level))
             elif part.free <= {inner}:
@@ -359,7 +346,7 @@ class Expresser:
             else:
                 link = self.link(part, level, inner)
                 role = link if role is None else element("r_and", role, link)
-        return _between(start, role or element("r_top"), end)
+        return between(start, role or element("r_top"), end)
 
     def link(self, node: Node, level: int, inner: int) -> Element:  # noqa: PLR0912 (the same)
         """The role of a condition on two variables."""
@@ -378,7 +365,7 @@ class Expresser:
                 meaning = self._meaning(node)
                 places = {part.value: at for at, part in enumerate(node.parts)}
                 if all(part.kind == "variable" for part in node.parts):
-                    return _primitive(meaning, places[level], places[inner])
+                    return primitive(meaning, places[level], places[inner])
                 if node.kind == "image":
                     return self._linked_through(node, meaning, level, inner)
             case "apply" | "apply+" | "apply*" if len(node.parts) == 3:
@@ -401,7 +388,7 @@ class Expresser:
         for place in (0, 1):
             own, many = node.parts[place], node.parts[1 - place]
             if own.kind == "variable" and own.value not in many.free:
-                step = _primitive(meaning, place, 1 - place)
+                step = primitive(meaning, place, 1 - place)
                 other = inner if own.value == level else level
                 back = element("r_inverse", self.row(many, other))
                 found = element("r_compose", step, back)
@@ -431,56 +418,3 @@ class Expresser:
             f"`{node.text}` has no form without variables",
             place=f"{node.place.source.name}:{line}:{column}",
         )
-
-
-def _is_infinite_distance(node: Node) -> bool:
-    """`if some x in R*(A, _) & B: true then distance(A, R, B) else 1000000000`, by which imported
-    policies say that a distance is infinite."""
-    condition, distance, otherwise = node.parts
-    if distance.kind != "distance" or (otherwise.kind, otherwise.value) != (
-        "constant",
-        UNREACHABLE,
-    ):
-        return False
-    start, relation, end = distance.parts
-    over = condition.parts[0] if condition.kind == "some" else condition
-    if over.kind != "&" or len(over.parts) != 2 or over.parts[1] is not end:
-        return False
-    if any(part.kind != "constant" or not part.value for part in condition.parts[1:]):
-        return False
-    near = over.parts[0]
-    return (
-        near.kind == "apply*"
-        and near.parts[0] is relation
-        and near.parts[1] is start
-        and (near.value in ((ONE, OPEN), (MANY, OPEN)))
-    )
-
-
-def _level(node: Node) -> int:
-    assert isinstance(node.value, int)
-    return node.value
-
-
-def _name(meaning: Meaning) -> str:
-    return f"{meaning.name}_g" if meaning.goal else meaning.name
-
-
-def _primitive(meaning: Meaning, first: int, second: int) -> Element:
-    return element("r_primitive", _name(meaning), str(first), str(second))
-
-
-def _between(start: Element, role: Element, end: Element) -> Element:
-    """The pairs of a role from one set to another."""
-    found = element("r_restrict", role, end)
-    if start == TOP:
-        return found
-    return element("r_inverse", element("r_restrict", element("r_inverse", found), start))
-
-
-def _conjuncts(*nodes: Node) -> Iterator[Node]:
-    for node in nodes:
-        if node.kind == "and":
-            yield from _conjuncts(*node.parts)
-        elif node.kind != "constant" or not node.value:
-            yield node
