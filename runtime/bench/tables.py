@@ -193,31 +193,29 @@ def ratio_table(results: Sequence[Result]) -> Table:
 
 def scaling_table(results: Sequence[Result]) -> Table:
     """Time, nodes and memory against the number of objects."""
+    summaries = summarise(results)
+    several = len({s.case.planner for s in summaries}) > 1
     rows = []
-    for s in summarise(results):
-        size = str(size_of(s.case.scene))
-        solved = f"{s.solved}/{s.runs}"
-        if not s.solved:
-            rows.append((size, s.case.planner, "", solved, "", "", "", ""))
-            continue
+    for s in summaries:
+        label = (str(size_of(s.case.scene)), *([s.case.planner] if several else []))
         group = [r for r in grouped(results)[s.case] if r["solved"]]
-        moved = max(1.0, s.measured["objects_moved"])
-        took = quantile([r["planning_time_s"] for r in group], 0.5)
-        rows.append(
-            (
-                size,
-                s.case.planner,
+        cells = ("", "", "", "", "", "")
+        if group:
+            moved = max(1.0, s.measured["objects_moved"])
+            processor = s.measured.get("cpu_time_s", 0.0)
+            cells = (
                 f"{moved:.0f}",
-                solved,
-                seconds(took),
-                f"{1000 * took / moved:.0f}",
+                seconds(quantile([r["planning_time_s"] for r in group], 0.5)),
+                seconds(processor),
+                f"{1000 * processor / moved:.0f}",
                 f"{s.measured['expanded'] / moved:.1f}",
                 count(max(r["peak_mb"] for r in group)),
             )
-        )
-    columns = ("objects", "planner", "moved", "solved", "s", "ms each", "nodes each", "peak MB")
+        rows.append((*label, f"{s.solved}/{s.runs}", *cells))
+    labels = ("objects", *(["planner"] if several else []))
+    columns = (*labels, "solved", "moved", "s", "CPU s", "CPU ms each", "nodes each", "MB")
     note = "Medians over the solved runs; each: for an object moved."
-    return Table("Growing scenes", columns, tuple(rows), 2, (note,))
+    return Table("Growing scenes", columns, tuple(rows), len(labels), (note,))
 
 
 def size_of(scene: str) -> int:

@@ -15,7 +15,14 @@ from runtime.bench.paper import PUBLISHED
 from runtime.bench.summary import summarise
 from runtime.bench.survival import survival_plot
 from runtime.bench.table import Table
-from runtime.bench.tables import beside_paper, ratio_table, solved_table, tables_of, time_table
+from runtime.bench.tables import (
+    beside_paper,
+    ratio_table,
+    scaling_table,
+    solved_table,
+    tables_of,
+    time_table,
+)
 from runtime.bench.write.data import as_csv, as_json
 from runtime.bench.write.latex import escaped, latex
 from runtime.bench.write.markdown import WIDTH, markdown
@@ -63,6 +70,15 @@ def test_tables_of_the_scenes_of_the_paper_are_whole() -> None:
     """Nothing has to be made a heading so that they fit."""
     for table in tables_of("plain", results(SCENES, PLANNERS)):
         assert not any(line.startswith("scene:") for line in markdown(table)), table.title
+
+
+def test_growing_scenes_are_told_for_each_object_moved() -> None:
+    runs = [result(job(n, scene="x/sorting-28.toml"), 2.0, objects_moved=14) for n in range(3)]
+    table = scaling_table([*runs, result(job(0, scene="sorting-56.toml"), None)])
+    assert row(table, "28")["CPU ms each"] == f"{1000 * 0.5 / 14:.0f}"
+    assert row(table, "28")["nodes each"] == f"{10 / 14:.1f}"
+    assert row(table, "56")["solved"] == "0/1"
+    assert all(len(line) <= WIDTH for line in markdown(table))
 
 
 def test_every_system_of_the_paper_has_its_row() -> None:
