@@ -107,8 +107,7 @@ def packing(seen: Observation, lift: float, wall: float) -> tuple[list[str], dic
     c, s = math.cos(rack.yaw), math.sin(rack.yaw)
     meshes = {}
     for number, (part, shape) in enumerate(zip(parts, shapes, strict=True)):
-        file = meshes[f"{part.name}.obj"] = shape.mesh()
-        assert file
+        meshes[f"{part.name}.obj"] = shape.mesh()
         x, y = turned(shape.middle[None], part.yaw)[0] + part.position[:2]
         tables.append(
             table(

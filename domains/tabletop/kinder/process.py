@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import tempfile
 from collections.abc import Sequence
@@ -14,6 +15,9 @@ from domains.tabletop.kinder.observed import Observation
 from sketchlang.errors import InputError
 
 CHILD = Path(__file__).with_name("child.py")
+
+OURS = ("PYTHONPATH", "PYTHONHOME", "VIRTUAL_ENV")
+"""What says where our Python finds its modules, and must not say it to another one."""
 
 HINT = "`make kinder` sets it up; --python names the interpreter of another environment"
 
@@ -35,6 +39,7 @@ class KinderProcess:
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=self._said,
+                env={name: os.environ[name] for name in os.environ if name not in OURS},
                 text=True,
                 encoding="utf-8",
             )

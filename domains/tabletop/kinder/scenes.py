@@ -127,8 +127,8 @@ def _obstruction(seen: Observation) -> Problem:
     """The block is to stand within the region, whatever stands there."""
     region, target = seen.things["target_region"], seen.things["target_block"]
     x, y, _ = region.position
-    block_, *others = slimmed([target, *seen.named("obstruction")], [region])
-    tables = [TABLE, block(region, SUNK), movable(block_, "table")]
+    first, *others = slimmed([target, *seen.named("obstruction")], [region])
+    tables = [TABLE, block(region, SUNK), movable(first, "table")]
     for thing in others:
         tables += _obstacle(thing, region)
     tables.append(

@@ -65,3 +65,14 @@ def test_a_cube_is_held_up() -> None:
     assert record["success"]
     assert record["steps"] > 0
     assert done.exit_code == 0
+
+
+def test_what_leads_our_python_does_not_lead_theirs(tmp_path, monkeypatch) -> None:
+    """A module of the name on our path is not found there."""
+    (tmp_path / "kinder.py").write_text("raise RuntimeError('ours')")
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    with (
+        KinderProcess(Path(sys.executable)) as process,
+        pytest.raises(InputError, match="No module named 'kinder'"),
+    ):
+        process.reset("Table3D-o1", 0)
