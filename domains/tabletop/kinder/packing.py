@@ -14,7 +14,8 @@ import numpy as np
 
 from domains.tabletop.kinder.observed import RIGHT, Observation, Thing
 from domains.tabletop.kinder.problem import table
-from domains.tabletop.outlines import around
+from domains.tabletop.kinder.slim import NEAR
+from domains.tabletop.outlines import around, room_within
 from runtime.world.poses import Floats
 
 PEG = 0.01, 0.05
@@ -53,6 +54,13 @@ class PartShape:
         """The middle (2,) of the box around it along its own axes."""
         middle: Floats = (self.outline.min(axis=0) + self.outline.max(axis=0)) / 2
         return middle
+
+    def smaller(self, by: float) -> PartShape:
+        """The same with its sides moved inwards, none by less than some metres; its peg, on the
+        mean of the corners, stays where it is."""
+        mean = self.outline.mean(axis=0)
+        share = 1 - by / room_within(self.outline - mean)
+        return PartShape(mean + share * (self.outline - mean), self.depth)
 
     def mesh(self) -> str:
         """The slab and its peg, which stands on the mean of the corners, as an OBJ file."""
@@ -104,6 +112,7 @@ def packing(seen: Observation, lift: float, wall: float) -> tuple[list[str], dic
     tables = _rack(rack, lift, wall)
     half = (rack.half[0] - wall, rack.half[1] - wall)
     layout = fit(shapes, half)
+    shapes = _slimmed(parts, shapes)
     c, s = math.cos(rack.yaw), math.sin(rack.yaw)
     meshes = {}
     for number, (part, shape) in enumerate(zip(parts, shapes, strict=True)):
@@ -128,6 +137,20 @@ def packing(seen: Observation, lift: float, wall: float) -> tuple[list[str], dic
             goal["yaw"] = math.degrees(yaw + rack.yaw)
         tables.append(table("goal", **goal))
     return tables, meshes
+
+
+def _slimmed(parts: Sequence[Thing], shapes: Sequence[PartShape]) -> list[PartShape]:
+    """The shapes of parts as they start, those that nearly touch another one made smaller."""
+    outlines = [
+        turned(shape.outline, part.yaw) + part.position[:2]
+        for part, shape in zip(parts, shapes, strict=True)
+    ]
+    found = []
+    for i, shape in enumerate(shapes):
+        others = [other for j, other in enumerate(outlines) if j != i]
+        least = min((gap(outlines[i], other) for other in others), default=NEAR)
+        found.append(shape.smaller(max(0.0, NEAR - least) / 2))
+    return found
 
 
 def _rack(rack: Thing, lift: float, wall: float) -> list[str]:

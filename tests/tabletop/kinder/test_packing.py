@@ -88,6 +88,20 @@ def test_gaps_are_never_more_than_distances(one, other, x, y, yaw) -> None:
 
 
 @pytest.mark.parametrize("name", SHAPES)
+def test_smaller_parts_have_their_sides_further_in(name) -> None:
+    shape, by = SHAPES[name], 0.001
+    smaller = shape.smaller(by)
+    assert smaller.outline.mean(axis=0) == pytest.approx(shape.outline.mean(axis=0))
+    sides = np.roll(shape.outline, -1, axis=0) - shape.outline
+    normals = np.column_stack([-sides[:, 1], sides[:, 0]])
+    normals /= np.linalg.norm(normals, axis=1)[:, None]
+    inwards = ((smaller.outline[:, None] - shape.outline) * normals).sum(axis=2).min(axis=0)
+    assert (inwards >= by - 1e-9).all()
+    assert (inwards <= 1.5 * by).all()
+    assert smaller.smaller(0.0).outline == pytest.approx(smaller.outline)
+
+
+@pytest.mark.parametrize("name", SHAPES)
 def test_meshes_are_a_slab_and_a_peg(tmp_path, name) -> None:
     path = tmp_path / "part.obj"
     path.write_text(SHAPES[name].mesh())
