@@ -8,7 +8,7 @@ from itertools import combinations
 from typing import Any
 
 from domains.pddl.features.rows import bits_of
-from domains.pddl.ground.task import GroundTask
+from domains.pddl.ground.task import GroundTask, mask_of
 from domains.pddl.state import State
 
 Families = tuple[Callable[[State], Iterable[Any]], ...]
@@ -33,12 +33,11 @@ def atoms_of(families: Families, task: GroundTask) -> Atoms:
     found: Atoms | None = task.memory.get(families)
     if found is None:
         full = State((1 << task.layout.size) - 1, task)
-        mask = negated = 0
+        mask = 0
         for family in families:
             for bit in family(full):
                 mask |= 1 << bit
-        for operator in task.operators:
-            negated |= operator.condition.false
+        negated = mask_of({bit for op in task.operators for bit in op.condition.zeros})
         for condition in task.goal:
             negated |= condition.false
         found = task.memory[families] = Atoms(mask, negated & mask)

@@ -12,8 +12,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from domains.pddl.features.rows import bits_of
-from domains.pddl.ground.task import GroundTask, Operator
+from domains.pddl.ground.task import GroundTask, Operator, Places
 
 if TYPE_CHECKING:
     import numpy as np
@@ -42,7 +41,7 @@ def make_tree(operators: tuple[Operator, ...]) -> Tree:
     """The tree of some operators, whose numbers are their places."""
     import numpy as np
 
-    needs = [list(bits_of(operator.condition.true)) for operator in operators]
+    needs = [operator.condition.ones for operator in operators]
     frequency = Counter(bit for need in needs for bit in need)
     paths = [
         (sorted(need, key=lambda bit: (-frequency[bit], bit)), number)
@@ -90,18 +89,20 @@ def make_changes(operators: tuple[Operator, ...]) -> Changes:
     """The changes of some operators, whose numbers are their places."""
     import numpy as np
 
-    rows = [(0, op.condition.false, op.change.adds, op.change.deletes) for op in operators]
+    rows: list[tuple[Places, ...]] = [
+        ((), op.condition.zeros, op.change.added, op.change.deleted) for op in operators
+    ]
     conditional = [len(rows)]
     for operator in operators:
         rows += [
-            (condition.true, condition.false, change.adds, change.deletes)
+            (condition.ones, condition.zeros, change.added, change.deleted)
             for condition, change in operator.conditional
         ]
         conditional.append(len(rows))
     first, bits = [0], list[int]()
     for row in rows:
-        for mask in row:
-            bits += bits_of(mask)
+        for places in row:
+            bits += places
             first.append(len(bits))
     return Changes(*(np.array(part, np.int64) for part in (first, bits, conditional)))
 
@@ -139,7 +140,7 @@ class Successors:
 
         return np.array(
             [
-                (CHECKED if operator.condition.false else 0)
+                (CHECKED if operator.condition.zeros else 0)
                 | (CONDITIONAL if operator.conditional else 0)
                 for operator in self.operators
             ],

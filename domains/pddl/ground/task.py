@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -15,25 +15,52 @@ from domains.pddl.syntax.lists import PddlError
 from domains.pddl.syntax.model import OBJECT, Action, Atom, Effect, PddlTask
 from sketchlang.source import Span
 
+Places = tuple[int, ...]
+"""Bits by their places, in order: of large tasks, masks would fill the memory."""
+
+
+def mask_of(places: Iterable[int]) -> int:
+    """The mask of some bits."""
+    found = 0
+    for place in places:
+        found |= 1 << place
+    return found
+
+
+def places_of(bits: Iterable[int]) -> Places:
+    """Bits in order, each once."""
+    return tuple(sorted(set(bits)))
+
 
 @dataclass(frozen=True, slots=True)
 class Condition:
     """Bits that have to be 1 and bits that have to be 0."""
 
-    true: int = 0
-    false: int = 0
+    ones: Places = ()
+    zeros: Places = ()
+
+    @property
+    def true(self) -> int:
+        """The mask of what has to be 1."""
+        return mask_of(self.ones)
+
+    @property
+    def false(self) -> int:
+        """The mask of what has to be 0."""
+        return mask_of(self.zeros)
 
     def holds(self, bits: int) -> bool:
         """Whether a state satisfies it."""
-        return bits & self.true == self.true and not bits & self.false
+        true = self.true
+        return bits & true == true and not bits & self.false
 
 
 @dataclass(frozen=True, slots=True)
 class Change:
     """Bits that become 1 and bits that become 0; what is in both becomes 1."""
 
-    adds: int = 0
-    deletes: int = 0
+    added: Places = ()
+    deleted: Places = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,11 +78,11 @@ class Operator:
 
     def apply(self, bits: int) -> int:
         """The state after it."""
-        adds, deletes = self.change.adds, self.change.deletes
+        adds, deletes = mask_of(self.change.added), mask_of(self.change.deleted)
         for condition, change in self.conditional:
             if condition.holds(bits):
-                adds |= change.adds
-                deletes |= change.deletes
+                adds |= mask_of(change.added)
+                deletes |= mask_of(change.deleted)
         return bits & ~deletes | adds
 
 
@@ -83,24 +110,25 @@ class GroundTask:
         """The number of an object."""
         return self.objects.index(name)
 
+    @cached_property
+    def goal_masks(self) -> tuple[tuple[int, int], ...]:
+        """For each case of the goal: what has to be 1, and what has to be 0."""
+        return tuple([(case.true, case.false) for case in self.goal])
+
     def open_goals(self, bits: int) -> int:
         """How many parts of the goal do not hold, in the case of which fewest do not."""
         return min(
             (
-                (case.true & ~bits).bit_count() + (case.false & bits).bit_count()
-                for case in self.goal
+                (true & ~bits).bit_count() + (false & bits).bit_count()
+                for true, false in self.goal_masks
             ),
             default=1,
         )
 
     def open_parts(self, bits: int) -> list[str]:
         """The parts of the goal that do not hold, in the case of which fewest do not."""
-
-        def lacking(case: Condition) -> tuple[int, int]:
-            return case.true & ~bits, case.false & bits
-
-        nearest = min(self.goal, key=lambda case: sum(map(int.bit_count, lacking(case))))
-        true, false = lacking(nearest)
+        lacking = [(true & ~bits, false & bits) for true, false in self.goal_masks]
+        true, false = min(lacking, key=lambda pair: pair[0].bit_count() + pair[1].bit_count())
         return [f"{self.atom(bit)} is false" for bit in bits_of(true)] + [
             f"{self.atom(bit)} is true" for bit in bits_of(false)
         ]
@@ -114,13 +142,13 @@ class GroundTask:
     def goal_mask(self) -> int:
         """The bits that the goal looks at."""
         found = 0
-        for condition in self.goal:
-            found |= condition.true | condition.false
+        for true, false in self.goal_masks:
+            found |= true | false
         return found
 
     def is_goal(self, bits: int) -> bool:
         """Whether a state satisfies the goal."""
-        return any(condition.holds(bits) for condition in self.goal)
+        return any(bits & true == true and not bits & false for true, false in self.goal_masks)
 
 
 def ground(task: PddlTask) -> GroundTask:
@@ -131,6 +159,9 @@ def ground(task: PddlTask) -> GroundTask:
         InputError: the task is too large.
     """
     return _Grounder(task, reach(task)).task()
+
+
+Lists = tuple[list[int], list[int]]
 
 
 class _Grounder:
@@ -273,10 +304,10 @@ class _Grounder:
         variables = self._variables(case, values)
         conjunction = case.conjunction
         condition = self._condition(conjunction.true, conjunction.false, variables)
-        if condition is None or condition.true & condition.false:
+        if condition is None or not set(condition.ones).isdisjoint(condition.zeros):
             return None
-        always = [0, 0]
-        when: dict[Condition, list[int]] = {}
+        always: Lists = [], []
+        when: dict[Condition, Lists] = {}
         for (effect, inner), found in zip(effects, instances, strict=True):
             if inner is None:
                 self._change(effect, variables, always)
@@ -284,21 +315,23 @@ class _Grounder:
             for own in found.get(values, ()):
                 bound = self._variables(inner, own)
                 asked = self._condition(inner.conjunction.true, inner.conjunction.false, bound)
-                if asked is None or asked.true & (asked.false | condition.false):
+                if asked is None or not set(asked.ones).isdisjoint(asked.zeros + condition.zeros):
                     continue
                 # What the action asks for itself need not be asked for again, nor whether an atom
                 # is true before it is deleted.
-                true, false = asked.true & ~condition.true, asked.false & ~condition.false
-                bit = self._bit(effect, bound)
-                asked = Condition(true if effect.positive else true & ~bit, false)
-                target = always if asked == Condition() else when.setdefault(asked, [0, 0])
+                true = set(asked.ones).difference(condition.ones)
+                if not effect.positive:
+                    true.discard(self._bit(effect, bound))
+                false = set(asked.zeros).difference(condition.zeros)
+                asked = Condition(places_of(true), places_of(false))
+                target = always if asked == Condition() else when.setdefault(asked, ([], []))
                 self._change(effect, bound, target)
         terms = [self.objects[variables[p.name]] for p in action.parameters]
         return Operator(
             f"({' '.join((action.name, *terms))})",
             condition,
-            Change(*always),
-            tuple((asked, Change(*change)) for asked, change in when.items() if any(change)),
+            _changed(always),
+            tuple((asked, _changed(change)) for asked, change in when.items() if any(change)),
             sum(self._cost(cost, variables) for cost in action.costs),
         )
 
@@ -318,28 +351,29 @@ class _Grounder:
         variables: Mapping[str, int],
         static: bool = False,
     ) -> Condition | None:
-        """The masks of some atoms; None if they cannot hold. What never changes has been looked
+        """The bits of some atoms; None if they cannot hold. What never changes has been looked
         at by the grounder, unless `static`."""
-        masks = [0, 0]
+        places: Lists = [], []
         for side, atoms in enumerate((true, false)):
             for atom in atoms:
                 if atom.name in self.changing:
                     bit = self.layout.bit(atom.name, self._values(atom, variables))
                     if bit is not None:
-                        masks[side] |= 1 << bit
+                        places[side].append(bit)
                     elif side == 0:
                         return None
                 elif static and ((atom.name, *atom.terms) in self.pddl.init) == (side == 1):
                     return None
-        return Condition(*masks)
+        return Condition(places_of(places[0]), places_of(places[1]))
 
-    def _bit(self, effect: Effect, variables: Mapping[str, int]) -> int:
-        """The mask of what an effect changes; empty if it can never be true anyway."""
-        bit = self.layout.bit(effect.atom.name, self._values(effect.atom, variables))
-        return 0 if bit is None else 1 << bit
+    def _bit(self, effect: Effect, variables: Mapping[str, int]) -> int | None:
+        """The bit that an effect changes; None if it can never be true anyway."""
+        return self.layout.bit(effect.atom.name, self._values(effect.atom, variables))
 
-    def _change(self, effect: Effect, variables: Mapping[str, int], masks: list[int]) -> None:
-        masks[0 if effect.positive else 1] |= self._bit(effect, variables)
+    def _change(self, effect: Effect, variables: Mapping[str, int], found: Lists) -> None:
+        bit = self._bit(effect, variables)
+        if bit is not None:
+            found[0 if effect.positive else 1].append(bit)
 
     def _cost(self, cost: int | Atom, variables: Mapping[str, int]) -> int:
         if isinstance(cost, int):
@@ -353,6 +387,10 @@ class _Grounder:
                 cost.span,
             )
         return self.pddl.values[key]
+
+
+def _changed(found: Lists) -> Change:
+    return Change(places_of(found[0]), places_of(found[1]))
 
 
 def _goal_place(task: PddlTask) -> Span:
