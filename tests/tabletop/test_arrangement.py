@@ -57,6 +57,11 @@ def answers(world: TabletopWorld, found: Arrangement) -> list[object]:
         for family in world.families:
             ways = found.places_of(index, goal, family)
             out += [ways.counts.tolist(), ways.barred.tolist()]
+        if goal.frame is None:
+            table = found.site_table(index, goal)
+            out += [np.asarray(getattr(table, field.name)).tolist() for field in fields(table)]
+            others = frozenset(i for i in world.scene.goals if i != index)
+            out.append(found.has_harmless_site(index, goal, others))
     return out
 
 

@@ -23,6 +23,7 @@ from domains.tabletop.faces import Turn, faces_at, turned, turns
 from domains.tabletop.features import clearing, swept
 from domains.tabletop.features.clearing import NEVER
 from domains.tabletop.features.goals import GoalSites
+from domains.tabletop.features.harmless import SiteTable
 from domains.tabletop.features.swept import HEADINGS, STEP
 from domains.tabletop.footprints import footprints_meet
 from domains.tabletop.loads import load_of, tall
@@ -33,6 +34,8 @@ from runtime.world.poses import Floats, compose
 
 if TYPE_CHECKING:
     from domains.tabletop.world import Ints, Placements, SiteHold, TabletopWorld
+
+ALL = slice(None)
 
 FAR_OFF = np.array([1e3, 1e3, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0])
 """The box of an object that is away."""
@@ -117,7 +120,7 @@ class Arrangement:
     places: dict[object, Places] = field(default_factory=dict)
     alpha: dict[tuple[int, Grasp | None], int] = field(default_factory=dict)
     beta: dict[tuple[int, Grasp | None], int] = field(default_factory=dict)
-    harm: dict[object, tuple[NDArray[np.bool_], Ints]] = field(default_factory=dict)
+    tables: dict[object, SiteTable] = field(default_factory=dict)
     left: dict[object, NDArray[np.bool_]] = field(default_factory=dict)
     groups: dict[frozenset[int], dict[Hashable, tuple[int, ...]]] = field(default_factory=dict)
     misplaced: dict[Grasp | None, frozenset[int]] = field(default_factory=dict)
@@ -157,14 +160,7 @@ class Arrangement:
     def moved(self, placements: Placements) -> Arrangement:
         """The arrangement of placements of which few differ, by what is known of this one."""
         world = self.world
-        changed = [
-            i
-            for i, (a, b) in enumerate(zip(self.placements, placements, strict=True))
-            if a is not b and a != b
-        ]
-        for i in list(changed):
-            riders = {*world.riders(self.placements, i), *world.riders(placements, i)}
-            changed += [r for r in riders if r not in changed]
+        changed = changes(world, self.placements, placements)
         boxes, sites, present = self.boxes.copy(), self.sites.copy(), self.present.copy()
         yaws = {}
         for i in changed:
@@ -665,9 +661,24 @@ class Arrangement:
 
     def free_sites(self, index: int, goal: GoalSites) -> NDArray[np.bool_]:
         """Which sites of a goal no other object occupies (S,)."""
-        taken = swept.occupied_sites(goal.xyz, self.world.own(index), self.boxes, index)
-        found: NDArray[np.bool_] = ~taken
-        return found
+        return self.site_table(index, goal).free(index)
+
+    def site_table(self, index: int, goal: GoalSites) -> SiteTable:
+        """What is known of the sites of a goal on furniture, for objects like this one."""
+        key = (goal.key, self.world.kinds[index])
+        known = self.tables.get(key)
+        if known is None:
+            # Whatever arrangement was asked last: most things are where they were then.
+            last = self.world.memory.table("site tables")
+            before, table = last.get(key, (None, None))
+            changed = [] if before is None else changes(self.world, before, self.placements)
+            if table is None or len(changed) > len(self.boxes) // 2:
+                known = SiteTable.afresh(self, index, goal)
+            else:
+                known = table.moved(self, index, goal, changed)
+            last[key] = self.placements, known
+            self.tables[key] = known
+        return known
 
     def has_harmless_site(self, index: int, goal: GoalSites, others: frozenset[int]) -> bool:
         """Whether an object could go to a site of its goal, on furniture, where it certainly is in
@@ -675,11 +686,7 @@ class Arrangement:
         others. That holds, too, once the object itself is away."""
         world = self.world
         key = (goal.key, world.kinds[index])
-        if key not in self.harm:
-            harm = (self.bars(world.site_boxes(index, goal)) != 0).any(axis=0)
-            self.harm[key] = harm, harm.sum(axis=0)
-        harm, harmed = self.harm[key]
-        harmless = self.free_sites(index, goal) & (harmed == harm[index])
+        harmless = self.site_table(index, goal).harmless(index)
         if not harmless.any():
             return False
         groups = self._groups_of(others)
@@ -704,17 +711,17 @@ class Arrangement:
             self.groups[others] = found
         return self.groups[others]
 
-    def bars(self, boxes: Floats) -> Ints:
-        """The headings to each object that boxes (b, 8) bar, for each family (F, n, b)."""
-        owns = self.world.owns_of(self.placements)
+    def bars(self, boxes: Floats, chosen: Sequence[int] | slice = ALL) -> Ints:
+        """The headings to each of some objects that boxes (b, 8) bar, for each family (F, n, b)."""
+        owns = self.world.owns_of(self.placements)[chosen]
         bars = [
             swept.barred_matrix(
-                self.sites, picks.holds, picks.heights, owns, boxes,
+                self.sites[chosen], picks.holds[chosen], picks.heights[chosen], owns, boxes,
                 self.world.hand.sweeps[family], 0.0,
             )
             for family, picks in self.picks.items()
         ]  # fmt: skip
-        return np.array(bars) * self.present[:, None]
+        return np.array(bars) * self.present[chosen][:, None]
 
     def _leaves_places(
         self, boxes: Floats, others: Iterable[int], known_as: Hashable = None
@@ -769,6 +776,17 @@ class Arrangement:
             point_distance(extra.box, site[0], site[1]) > reach
             and point_distance(extra.box, x, y) > reach + radius
         )
+
+
+def changes(world: TabletopWorld, before: Placements, after: Placements) -> list[int]:
+    """What rests elsewhere, or on something that does."""
+    changed = [
+        i for i, (a, b) in enumerate(zip(before, after, strict=True)) if a is not b and a != b
+    ]
+    for i in list(changed):
+        riders = {*world.riders(before, i), *world.riders(after, i)}
+        changed += [r for r in riders if r not in changed]
+    return changed
 
 
 def face_of(placement: Placement | None) -> int:

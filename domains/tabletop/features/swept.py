@@ -279,9 +279,25 @@ def _has_stand(  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
+def standing_at(sites, own, boxes):  # type: ignore[no-untyped-def]
+    """Which of the boxes (n, 8) something round at each site (S, 3), `own` its radius and height,
+    would overlap: (n, S) of bool."""
+    out = np.zeros((boxes.shape[0], sites.shape[0]), dtype=np.bool_)
+    for j in range(boxes.shape[0]):
+        for i in range(sites.shape[0]):
+            low = boxes[j, 2] - boxes[j, 5] - sites[i, 2]
+            high = boxes[j, 2] + boxes[j, 5] - sites[i, 2]
+            out[j, i] = (
+                low < own[1] - LEVEL
+                and high > LEVEL
+                and point_distance(boxes[j], sites[i, 0], sites[i, 1]) < own[0] + PLAY
+            )
+    return out
+
+
+@njit(cache=True)
 def occupied_sites(sites, own, boxes, skip):  # type: ignore[no-untyped-def]
-    """Whether something round at each site (S, 3), `own` its radius and height, would overlap
-    one of the boxes (n, 8), the one with index `skip` left out: (S,) of bool."""
+    """The same for any of the boxes but the one with index `skip`: (S,) of bool."""
     out = np.zeros(sites.shape[0], dtype=np.bool_)
     for i in range(sites.shape[0]):
         for j in range(boxes.shape[0]):

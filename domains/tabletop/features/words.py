@@ -9,18 +9,22 @@ with the same letter are not.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from domains.tabletop.features.goals import LATTICE, GoalSites, turn_error
 from domains.tabletop.scene.model import WordGoal
+from runtime.world.poses import Floats
 
 if TYPE_CHECKING:
     from domains.tabletop.features.arrangement import Arrangement
     from domains.tabletop.world import TabletopWorld
+
+Bools = NDArray[np.bool_]
+Ints = NDArray[np.int64]
 
 ALIGNED = 0.05
 """Radians by which a block of the row may be turned against the table."""
@@ -28,14 +32,18 @@ ALIGNED = 0.05
 NEAR = 0.25
 """Metres around an empty slot within which a block may be in the hand's way."""
 
-DIRECTIONS = ((1, 0), (0, 1), (-1, 0), (0, -1))
+DIRECTIONS = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
 
 
-@dataclass(frozen=True)
-class Row:
-    """A row of slots on the table: positions (x, y) in the table's frame."""
+@dataclass(frozen=True, eq=False)
+class Blocks:
+    """The blocks on the table: their indices (b,), where they are in its frame (b, 2), whether
+    they are aligned with it (b,), and whether they have the letter of each slot (w, b)."""
 
-    slots: tuple[tuple[float, float], ...]
+    indices: list[int]
+    xy: Floats
+    aligned: Bools
+    fitting: Bools
 
 
 class WordGoals:
@@ -46,6 +54,8 @@ class WordGoals:
         self.goal = goal
         self.ground = world.grounds[goal.support]
         self.letters = [thing.letter for thing in world.scene.objects]
+        self.pitches = goal.pitch * np.arange(len(goal.word))
+        self.inset = max(item.inner_radius for item in world.items)
         self.symmetry = min(
             item.symmetry
             for item, letter in zip(world.items, self.letters, strict=True)
@@ -54,8 +64,7 @@ class WordGoals:
 
     def assign(self, arrangement: Arrangement) -> dict[int, GoalSites]:
         """Goal sites of every block that has a place in the best row of an arrangement."""
-        blocks = self._blocks(arrangement)
-        best, filled = self._best_row(blocks)
+        slots, filled = self._best_row(self._blocks(arrangement))
         goals: dict[int, GoalSites] = {}
         used = set(filled.values())
         for number, letter in enumerate(self.goal.word):
@@ -64,100 +73,72 @@ class WordGoals:
                 index = self._block_for(letter, used, arrangement)
             if index is not None:
                 used.add(index)
-                goals[index] = self._sites(best.slots[number])
+                goals[index] = self._sites(slots[number])
         return goals
 
-    def _blocks(self, arrangement: Arrangement) -> dict[int, tuple[float, float, bool]]:
-        """Blocks on the table: position in its frame, and whether they are aligned with it."""
-        blocks = {}
+    def _blocks(self, arrangement: Arrangement) -> Blocks:
+        indices, xy, aligned = [], [], []
         for index, placement in enumerate(arrangement.placements):
             if placement is not None and placement.support == self.goal.support:
                 x, y, yaw = placement.pose
-                lx, ly = self.ground.local(x, y)
-                aligned = turn_error(yaw - self.ground.yaw, self.symmetry) < ALIGNED
-                blocks[index] = (lx, ly, aligned)
-        return blocks
+                indices.append(index)
+                xy.append(self.ground.local(x, y))
+                aligned.append(turn_error(yaw - self.ground.yaw, self.symmetry) < ALIGNED)
+        letters = [self.letters[index] for index in indices]
+        fitting = [[letter == own for own in letters] for letter in self.goal.word]
+        return Blocks(
+            indices,
+            np.array(xy, dtype=np.float64).reshape(-1, 2),
+            np.array(aligned, dtype=np.bool_),
+            np.array(fitting, dtype=np.bool_),
+        )
 
-    def _best_row(self, blocks: dict[int, tuple[float, float, bool]]) -> tuple[Row, dict[int, int]]:
-        """The row with the largest valid sequence; among equals the one whose empty slots
-        the fewest blocks stand in, then the least crowded one: what is near bars the hand's way.
-        The last word has where it lies, and not which block it was found by: it must not turn
-        round when one more block is in it."""
-        best: tuple[tuple[int, int, int, list[int]], Row, dict[int, int]] | None = None
-        for row in self._rows(blocks):
-            filled = self._filled(row, blocks)
-            if best is not None and -len(filled) > best[0][0]:
-                continue
-            place = [round(1000 * value) for slot in row.slots for value in slot]
-            rank = (-len(filled), *self._blockers(row, filled, blocks), place)
-            if best is None or rank < best[0]:
-                best = (rank, row, filled)
-        assert best is not None, "the loader refuses words that are longer than their table"
-        return best[1], best[2]
+    def _best_row(self, blocks: Blocks) -> tuple[Floats, dict[int, int]]:
+        """The slots (w, 2) of the row with the largest valid sequence, and the blocks in them;
+        among equals the one whose empty slots the fewest blocks stand in, then the least crowded
+        one: what is near bars the hand's way. The last word has where it lies, and not which
+        block it was found by: it must not turn round when one more block is in it."""
+        rows = self._rows(blocks)
+        assert len(rows), "the loader refuses words that are longer than their table"
+        places = np.rint(1000 * rows.reshape(len(rows), -1)).T[::-1]
+        number = len(blocks.indices)
+        if not number:
+            return rows[np.lexsort(places)[0]], {}
+        away = np.linalg.norm(rows[:, :, None] - blocks.xy, axis=-1)  # (r, w, b)
+        inside = (away <= self.goal.tolerance) & blocks.aligned & blocks.fitting
+        filled = inside.any(axis=2)
+        chosen = number - 1 - np.argmax(inside[:, :, ::-1], axis=2)
+        # Of blocks that are in a slot together one is in its place, the others stand in the way.
+        placed = (filled[:, :, None] & (chosen[:, :, None] == np.arange(number))).any(axis=1)
+        to_empty = np.where(filled[:, :, None], np.inf, away).min(axis=1)
+        to_empty[placed] = np.inf
+        blockers = (to_empty < self.goal.pitch * 0.9).sum(axis=1)
+        crowded = np.maximum(0.0, np.rint(1000 * (NEAR - to_empty))).sum(axis=1)
+        best = int(np.lexsort((*places, crowded, blockers, -filled.sum(axis=1)))[0])
+        slots = np.flatnonzero(filled[best]).tolist()
+        return rows[best], {slot: blocks.indices[chosen[best, slot]] for slot in slots}
 
-    def _rows(self, blocks: dict[int, tuple[float, float, bool]]) -> list[Row]:
-        """Rows through a block that is aligned; rows anywhere if none of them has room."""
-        rows = []
-        for index, (x, y, aligned) in blocks.items():
-            if aligned:
-                for number, letter in enumerate(self.goal.word):
-                    if letter == self.letters[index]:
-                        rows += [self._row(x, y, number, direction) for direction in DIRECTIONS]
-        fitting = [row for row in rows if self._fits(row)]
-        if fitting:
+    def _rows(self, blocks: Blocks) -> Floats:
+        """Slots (r, w, 2) of rows through a block that is aligned; of rows anywhere if none of
+        them has room."""
+        through = blocks.aligned[:, None] & blocks.fitting.T
+        at, numbers = np.nonzero(through)
+        fitting = self._fitting(blocks.xy[at], numbers)
+        if len(fitting):
             return fitting
         points = self.ground.lattice(LATTICE, 0.05)
-        anywhere = [self.ground.local(x, y) for x, y in points]
-        rows = [self._row(x, y, 0, direction) for x, y in anywhere for direction in DIRECTIONS]
-        return [row for row in rows if self._fits(row)]
+        anywhere = np.array([self.ground.local(x, y) for x, y in points])
+        return self._fitting(anywhere.reshape(-1, 2), np.zeros(len(anywhere), dtype=np.int64))
 
-    def _row(self, x: float, y: float, number: int, direction: tuple[int, int]) -> Row:
-        """The row in which slot `number` is at (x, y)."""
-        pitch = self.goal.pitch
-        return Row(
-            tuple(
-                (
-                    x + (i - number) * pitch * direction[0],
-                    y + (i - number) * pitch * direction[1],
-                )
-                for i in range(len(self.goal.word))
-            )
-        )
-
-    def _fits(self, row: Row) -> bool:
-        inset = max(item.inner_radius for item in self.world.items)
-        return all(
-            abs(x) <= self.ground.half[0] - inset and abs(y) <= self.ground.half[1] - inset
-            for x, y in row.slots
-        )
-
-    def _filled(self, row: Row, blocks: dict[int, tuple[float, float, bool]]) -> dict[int, int]:
-        """Slots of a row that hold a block with their letter."""
-        filled = {}
-        for number, (sx, sy) in enumerate(row.slots):
-            for index, (x, y, aligned) in blocks.items():
-                if (
-                    aligned
-                    and self.letters[index] == self.goal.word[number]
-                    and math.hypot(x - sx, y - sy) <= self.goal.tolerance
-                ):
-                    filled[number] = index
-        return filled
-
-    def _blockers(
-        self, row: Row, filled: dict[int, int], blocks: dict[int, tuple[float, float, bool]]
-    ) -> tuple[int, int]:
-        """Blocks that stand in empty slots of a row, and how crowded these are: millimetres by
-        which others are nearer than `NEAR`, summed."""
-        placed = set(filled.values())
-        empty = [slot for number, slot in enumerate(row.slots) if number not in filled]
-        inside = crowd = 0
-        for index, (x, y, _) in blocks.items():
-            if index not in placed and empty:
-                nearest = min(math.hypot(x - sx, y - sy) for sx, sy in empty)
-                inside += nearest < self.goal.pitch * 0.9
-                crowd += max(0, round(1000 * (NEAR - nearest)))
-        return inside, crowd
+    def _fitting(self, xy: Floats, numbers: Ints) -> Floats:
+        """Slots (r, w, 2) of the rows, in each direction, whose slots of these numbers (k,) are at
+        positions (k, 2), as far as they have room."""
+        along = self.pitches - self.goal.pitch * numbers[:, None]  # (k, w)
+        steps = along[:, None, :, None] * DIRECTIONS[None, :, None]  # (k, 4, w, 2)
+        rows = (xy[:, None, None] + steps).reshape(-1, len(self.pitches), 2)
+        room = np.array(self.ground.half) - self.inset
+        fits: Floats = rows[(np.abs(rows) <= room).all(axis=(1, 2))]
+        return fits
 
     def _block_for(self, letter: str, used: set[int], arrangement: Arrangement) -> int | None:
         """A block for an empty slot: the one that is away, else the easiest to pick up."""
@@ -178,8 +159,8 @@ class WordGoals:
             default=None,
         )
 
-    def _sites(self, slot: tuple[float, float]) -> GoalSites:
-        x, y = self.ground.outside(*slot)
+    def _sites(self, slot: Floats) -> GoalSites:
+        x, y = self.ground.outside(*slot.tolist())
         xy = np.array([[round(x, 5), round(y, 5)]])
         return GoalSites(
             key=("slot", *xy[0].tolist()),
