@@ -7,6 +7,8 @@ Nothing heavy is imported here: `sketchlang check` reads these signatures.
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterable
+from functools import cache
+from types import ModuleType
 from typing import TYPE_CHECKING
 
 from domains.tabletop.state import Placement
@@ -27,6 +29,13 @@ domain = Domain(
         "place(object, placement)": "The arm puts down the object in the hand, and goes home.",
     },
 )
+
+
+@cache
+def _features() -> ModuleType:
+    from domains.tabletop.features import functions
+
+    return functions
 
 
 @domain.sort
@@ -79,42 +88,37 @@ def bars(state: State, o: Object) -> Nat:
 @domain.function(ignores="base")
 def misplaced(state: State, o: Object) -> bool:
     """Whether an object stands outside its goal, or is held and its goal is blocked."""
-    from domains.tabletop.features import functions
-
-    return o in functions.misplaced(state)
+    found: bool = o in _features().misplaced(state)
+    return found
 
 
 @domain.function(ignores="base")
 def goal_placements(state: State, o: Object) -> tuple[Placement, ...]:
     """Unoccupied placements in which an object would be where the scene wants it."""
-    from domains.tabletop.features import functions
-
-    return functions.goal_placements(state, o)
+    found: tuple[Placement, ...] = _features().goal_placements(state, o)
+    return found
 
 
 @domain.function(ignores="base")
 def disturbed_by(state: State, o: Object, p: Placement) -> Nat:
     """How many other misplaced objects would be obstructed more with an object at p."""
-    from domains.tabletop.features import functions
-
-    return functions.disturbed_by(state, o, p)
+    number: int = _features().disturbed_by(state, o, p)
+    return number
 
 
 @domain.function(ignores="base")
 def obstructions(state: State, o: Object) -> Nat:
     """alpha: what is to be taken away before o can be picked up and put at its goal: the number of
     objects in the way, and of those in the way of these."""
-    from domains.tabletop.features import functions
-
-    return functions.obstructions(state, o)
+    number: int = _features().obstructions(state, o)
+    return number
 
 
 @domain.function(ignores="base")
 def disturbances(state: State, o: Object) -> Nat:
     """beta: fewest misplaced objects that a goal placement of o blocks."""
-    from domains.tabletop.features import functions
-
-    return functions.disturbances(state, o)
+    number: int = _features().disturbances(state, o)
+    return number
 
 
 @domain.atom

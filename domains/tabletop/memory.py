@@ -20,7 +20,10 @@ class Memory:
 
     def table(self, name: str) -> OrderedDict[Hashable, Any]:
         """The answers to questions of one name, the latest last."""
-        return self._tables.setdefault(name, OrderedDict())
+        found = self._tables.get(name)
+        if found is None:
+            found = self._tables[name] = OrderedDict()
+        return found
 
     def answer(self, name: str, question: Hashable, compute: Callable[[], T]) -> T:
         """The answer that is remembered, or what `compute` gives."""

@@ -41,6 +41,10 @@ FAR_OFF = np.array([1e3, 1e3, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0])
 """The box of an object that is away."""
 
 
+NOTHING_BARRED: NDArray[np.bool_] = np.ones(1, dtype=np.bool_)
+"""All of some boxes are fine."""
+
+
 @dataclass(frozen=True, eq=False)
 class Picks:
     """For one family of approaches, the ways to the objects where they rest.
@@ -60,7 +64,8 @@ class Picks:
 @dataclass(frozen=True, eq=False)
 class Places:
     """The same for the sites of a goal: `barred` (S, n), `counts` (S, K), `reachable` (S,).
-    `stands` (S, 8) are boxes around the object at the sites where its heading there is known."""
+    `stands` (S, 8) are boxes around the object at the sites where its heading there is known;
+    `spared` is which boxes, by what they are known as, leave a way free (`Arrangement`)."""
 
     goal: GoalSites
     hold: SiteHold
@@ -69,6 +74,14 @@ class Places:
     counts: Ints
     reachable: Ints
     stands: Floats | None = None
+    spared: dict[Hashable, NDArray[np.bool_]] = field(default_factory=dict)
+
+    @cached_property
+    def extent(self) -> float:
+        """Metres from a site to the corners of the object there, where its heading is known."""
+        if self.stands is None:
+            return 0.0
+        return float(np.hypot(self.stands[:, 3], self.stands[:, 4]).max())
 
     @cached_property
     def free(self) -> Ints:
@@ -120,7 +133,6 @@ class Arrangement:
     places: dict[object, Places] = field(default_factory=dict)
     alpha: dict[tuple[int, Grasp | None], int] = field(default_factory=dict)
     beta: dict[tuple[int, Grasp | None], int] = field(default_factory=dict)
-    tables: dict[object, SiteTable] = field(default_factory=dict)
     left: dict[object, NDArray[np.bool_]] = field(default_factory=dict)
     groups: dict[frozenset[int], dict[Hashable, tuple[int, ...]]] = field(default_factory=dict)
     misplaced: dict[Grasp | None, frozenset[int]] = field(default_factory=dict)
@@ -179,8 +191,7 @@ class Arrangement:
         }
         found = Arrangement(world, placements, boxes, sites, present, picks)
         if world.scene.word is None and not stacked:
-            self._carry_places(found, changed)
-            self._carry_alpha(found, changed)
+            self._carry_alpha(found, changed, self._carry_places(found, changed))
         return found
 
     def _moved_picks(
@@ -222,27 +233,32 @@ class Arrangement:
         counts[changed] = swept.bar_counts(barred[changed], present, reachable[changed])
         return Picks(barred, holds, heights, reachable, counts)
 
-    def _carry_places(self, to: Arrangement, changed: Sequence[int]) -> None:
-        """Ways to the sites of goals, as they are after some objects have moved."""
+    def _carry_places(self, to: Arrangement, changed: Sequence[int]) -> frozenset[Hashable]:
+        """Ways to the sites of goals, as they are after some objects have moved; and the keys of
+        goals some ways to which may be other ones."""
+        moved: set[Hashable] = set()
         for key, known in self.places.items():
-            barred, counts = known.barred, known.counts
-            if not all(self._is_far(to, known, i) for i in changed):
-                family = key[2]  # type: ignore[index]
-                columns = _place_barred(self.world, known, family, to.boxes[list(changed)])
-                barred = barred.copy()
-                for column, i in zip(columns.T, changed, strict=True):
-                    gone, come = barred[:, i] * self.present[i], column * to.present[i]
-                    if gone.any() or come.any():
-                        counts = swept.shifted_counts(counts, gone, come)
-                    barred[:, i] = column
+            if all(self._is_far(to, known, i) for i in changed):
+                to.places[key] = known
+                continue
+            family = key[2]  # type: ignore[index]
+            barred, counts = known.barred.copy(), known.counts
+            columns = _place_barred(self.world, known, family, to.boxes[list(changed)])
+            for column, i in zip(columns.T, changed, strict=True):
+                gone, come = barred[:, i] * self.present[i], column * to.present[i]
+                if gone.any() or come.any():
+                    counts = swept.shifted_counts(counts, gone, come)
+                barred[:, i] = column
             to.places[key] = Places(
                 known.goal, known.hold, known.own, barred, counts, known.reachable, known.stands
             )
+            moved.add(known.goal.key)
+        return frozenset(moved)
 
     def _is_far(self, to: Arrangement, known: Places, index: int) -> bool:
         """Whether an object that has moved is, before and after, too far from a goal to matter."""
         (x, y), radius = known.goal.circle
-        reach = radius + self._reach(known.hold)
+        reach = radius + max(self._reach(known.hold), known.extent)
         return not any(
             one.present[index] and point_distance(one.boxes[index], x, y) <= reach
             for one in (self, to)
@@ -252,35 +268,27 @@ class Arrangement:
         """Metres from a site beyond which nothing bars a hand of any family."""
         return self.world.widest + hold.reach
 
-    def _carry_alpha(self, to: Arrangement, changed: Sequence[int]) -> None:
-        """Alpha of objects whose ways what moved neither barred nor bars; and where something is
-        to be taken away first, nobody's ways."""
-        alike = all(
-            np.array_equal(
-                before.barred[:, i] * self.present[i], to.picks[f].barred[:, i] * to.present[i]
-            )
-            for f, before in self.picks.items()
-            for i in changed
-        )
+    def _carry_alpha(
+        self, to: Arrangement, changed: Sequence[int], touched: frozenset[Hashable]
+    ) -> None:
+        """Alpha of objects whose ways what moved neither barred nor bars, to goals whose ways are
+        not `touched`; and where something is to be taken away first, nobody's ways."""
+        same = np.ones(len(self.boxes), dtype=np.bool_)
+        for f, before in self.picks.items():
+            gone = before.barred[:, changed] * self.present[changed]
+            come = to.picks[f].barred[:, changed] * to.present[changed]
+            same &= (gone == come).all(axis=1)
+        alike, unbarred = bool(same.all()), same.tolist()
+        goals = self.world.goals
         for (index, grasp), alpha in self.alpha.items():
-            if grasp is not None or index in changed or (alpha > 0 and not alike):
-                continue
-            same = all(
-                (before.barred[index, i] * self.present[i])
-                == (to.picks[f].barred[index, i] * to.present[i])
-                for f, before in self.picks.items()
-                for i in changed
-            )
-            goal = self.world.goals.get(index)
-            if not same or goal is None:
-                continue
-            far = all(
-                self._is_far(to, known, i)
-                for key, known in self.places.items()
-                if key[0] == goal.key  # type: ignore[index]
-                for i in changed
-            )
-            if far:
+            if (
+                grasp is None
+                and unbarred[index]
+                and (alpha == 0 or alike)
+                and index not in changed
+                and index in goals
+                and goals[index].key not in touched
+            ):
                 to.alpha[index, None] = alpha
 
     # -- ways ---------------------------------------------------------------------------------
@@ -666,19 +674,18 @@ class Arrangement:
     def site_table(self, index: int, goal: GoalSites) -> SiteTable:
         """What is known of the sites of a goal on furniture, for objects like this one."""
         key = (goal.key, self.world.kinds[index])
-        known = self.tables.get(key)
-        if known is None:
-            # Whatever arrangement was asked last: most things are where they were then.
-            last = self.world.memory.table("site tables")
-            before, table = last.get(key, (None, None))
-            changed = [] if before is None else changes(self.world, before, self.placements)
-            if table is None or len(changed) > len(self.boxes) // 2:
-                known = SiteTable.afresh(self, index, goal)
-            else:
-                known = table.moved(self, index, goal, changed)
-            last[key] = self.placements, known
-            self.tables[key] = known
-        return known
+        # Whatever arrangement was asked last: most things are where they were then.
+        last = self.world.memory.table("site tables")
+        before, known = last.get(key, (None, None))
+        if before is self.placements:
+            return known  # type: ignore[no-any-return]
+        changed = [] if before is None else changes(self.world, before, self.placements)
+        if known is None or len(changed) > len(self.boxes) // 2:
+            found = SiteTable.afresh(self, index, goal)
+        else:
+            found = known.moved(self, index, goal, changed)
+        last[key] = self.placements, found
+        return found
 
     def has_harmless_site(self, index: int, goal: GoalSites, others: frozenset[int]) -> bool:
         """Whether an object could go to a site of its goal, on furniture, where it certainly is in
@@ -742,14 +749,27 @@ class Arrangement:
             # Where no site is reached anyway there is nothing to lose.
             open_ones = {f: ways for f, ways in places.items() if ways.reachable.any()}
             for family, ways in (open_ones or places).items():
-                plus = self._barred_by(ways, family, boxes, known_as, world.kinds[other])
-                if plus is None:
-                    continue
-                harmless = ~plus.any(axis=0)
-                if goal.modulus == 1:
-                    harmless |= (ways.free[:, None] & ~plus).any(axis=0)
-                fine &= harmless
+                spared = ways.spared.get(known_as)
+                if spared is None:
+                    spared = self._spared(ways, family, boxes, known_as, world.kinds[other])
+                    if known_as is not None:
+                        ways.spared[known_as] = spared
+                if spared is not NOTHING_BARRED:
+                    fine &= spared
         return fine
+
+    def _spared(
+        self, ways: Places, family: int, boxes: Floats, known_as: Hashable, kind: int
+    ) -> NDArray[np.bool_]:
+        """Which boxes (b,) bar nothing on the ways to the sites of a goal, or leave a way free to
+        one of them where any will do."""
+        plus = self._barred_by(ways, family, boxes, known_as, kind)
+        if plus is None:
+            return NOTHING_BARRED
+        harmless: NDArray[np.bool_] = np.logical_not(plus.any(axis=0))
+        if ways.goal.modulus == 1:
+            harmless |= (ways.free[:, None] & ~plus).any(axis=0)
+        return harmless
 
     def _barred_by(
         self, ways: Places, family: int, boxes: Floats, known_as: Hashable, kind: int

@@ -20,9 +20,11 @@ if TYPE_CHECKING:
     from domains.tabletop.world import Placements, TabletopWorld
 
 CACHED_OBJECTS = 12_000
-"""As many arrangements are remembered as hold so many objects together, and not less than ..."""
+"""As many arrangements are remembered as hold so many objects together, ..."""
 
-MIN_CACHED = 48
+CACHED_PAIRS = 12_000_000
+"""... and so many pairs of them, but not less than LOOK_BACK: what bars what is a square table."""
+
 SAME = 16
 """Tuples of placements that are known by themselves, without a look at what is in them."""
 
@@ -51,7 +53,9 @@ def _remembered(world: TabletopWorld, placements: Placements) -> Arrangement:
         origin = _origin(known.values(), placements)
         found = origin.moved(placements) if origin else Arrangement.afresh(world, placements)
         known[placements] = found
-        if len(known) > max(MIN_CACHED, CACHED_OBJECTS // max(1, len(placements))):
+        number = max(1, len(placements))
+        most = min(CACHED_OBJECTS // number, CACHED_PAIRS // number**2)
+        if len(known) > max(LOOK_BACK, most):
             known.popitem(last=False)
     else:
         known.move_to_end(placements)
@@ -153,7 +157,7 @@ def _disturbances(state: State, index: int, here: Arrangement) -> int:
     if owner is not None and not here.present[owner]:
         # What it is to stand on is in the hand: on its way to its goal, or not.
         return int(owner in others)
-    settled = owner is None and all(other in state.world.goals for other in others)
+    settled = owner is None and state.world.goals.keys() >= others
     # If no goal depends on where things are, what is certain need not be looked at without it.
     certain = settled and 0 in _faces(state, index, goal)
     if certain and here.has_harmless_site(index, goal, others):

@@ -145,12 +145,12 @@ class GraspSampler:
                     grasps.append(item.grasp(hold, k, angle, flipped))
         return [(index, tuple(grasps))]
 
-    def ready(self, state: State) -> frozenset[int]:
-        """Misplaced objects that nothing obstructs and that would disturb nothing."""
-        return frozenset(
-            i
-            for i in misplaced(state)
-            if obstructions(state, i) == 0 and disturbances(state, i) == 0
+    def is_ready(self, state: State, index: int) -> bool:
+        """Whether an object is misplaced, nothing obstructs it and it would disturb nothing."""
+        return (
+            index in misplaced(state)
+            and obstructions(state, index) == 0
+            and disturbances(state, index) == 0
         )
 
     def are_tied(self, state: State) -> bool:
@@ -160,7 +160,7 @@ class GraspSampler:
         return (
             bool(wrong)
             and all(obstructions(state, i) == 0 for i in wrong)
-            and not self.ready(state)
+            and not any(self.is_ready(state, i) for i in wrong)
         )
 
     def _can_come(self, here: Arrangement, index: int) -> bool:
@@ -176,7 +176,6 @@ class GraspSampler:
         standing = [i for i in range(len(state.placements)) if here.present[i]]
         wrong = misplaced(state)
         blocked = {i for i in wrong if obstructions(state, i) > 0}
-        ready = self.ready(state)
         if draw.attempt == 0:
             relevant = set(wrong) | world.wanted_held
             for index in blocked:
@@ -187,8 +186,15 @@ class GraspSampler:
             standing = [i for i in standing if i in relevant and self._can_come(here, i)]
         x, y, _ = state.base.pose
         away = (here.sites[:, 0] - x) ** 2 + (here.sites[:, 1] - y) ** 2
-        nearest = sorted(standing, key=lambda i: (i not in ready, away[i]))
-        return nearest[:NEAREST] if draw.attempt == 0 else nearest
+        # Most subgoals begin with something near: what is far is not asked whether it is ready.
+        most = NEAREST if draw.attempt == 0 else len(standing)
+        ready: list[int] = []
+        waiting: list[int] = []
+        for index in sorted(standing, key=lambda i: away[i]):
+            if len(ready) == most:
+                break
+            (ready if self.is_ready(state, index) else waiting).append(index)
+        return [*ready, *waiting][:most]
 
 
 def _narrow(widths: np.ndarray, fits: int) -> int:

@@ -94,11 +94,10 @@ class Sampler:
         wanted: list[Wanted] = []
         if state.held is None:
             picks = self.grasps.picks(draw)
-            ready = self.grasps.ready(state)
             for index, grasps in picks:
                 targets = [(state.placements[index], grasp) for grasp in grasps]
                 # What is ready to go deserves more places to stand than what is in its way.
-                wanted += [(index, targets)] * (READY if index in ready else 1)
+                wanted += [(index, targets)] * (READY if self.grasps.is_ready(state, index) else 1)
             places, largest = self.placements.anywhere(draw) if draw.doubting else ([], 0)
             wanted += [(largest, [(p, Grasp.of(0.0, 0.0))]) for p in places]
             if self.grasps.are_tied(state):
