@@ -86,7 +86,7 @@ def obstructed(problem: TabletopProblem, state: State, rng: np.random.Generator)
         box = Obstacle(f"box{number}", UprightBox(centre, BOX))
         scene = problem.world.scene.with_boxes([box])
         try:
-            world = TabletopWorld.of(scene, problem.world.robot)
+            world = TabletopWorld.of(scene, problem.world.robot, problem.world)
         except InputError:  # the start of the scene is where the box would be
             continue
         return TabletopProblem(world, problem.executor.seed)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Iterable
 from typing import Any, TypeVar
 
 T = TypeVar("T")
@@ -25,13 +25,26 @@ class Memory:
             found = self._tables[name] = OrderedDict()
         return found
 
+    def of_tables(self, names: Iterable[str]) -> Memory:
+        """A memory that begins with some of the tables of this one, and shares them."""
+        other = Memory()
+        for name in names:
+            other._tables[name] = self.table(name)
+        return other
+
     def answer(self, name: str, question: Hashable, compute: Callable[[], T]) -> T:
         """The answer that is remembered, or what `compute` gives."""
         table = self.table(name)
         if question in table:
             found: T = table[question]
             return found
-        table[question] = answer = compute()
+        answer = compute()
+        self.keep(name, question, answer)
+        return answer
+
+    def keep(self, name: str, question: Hashable, answer: object) -> None:
+        """Remember an answer."""
+        table = self.table(name)
+        table[question] = answer
         if len(table) > self.BOUND:
             table.popitem(last=False)
-        return answer

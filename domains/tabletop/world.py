@@ -7,7 +7,7 @@ which holds nothing that could not be computed anew.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Hashable, Iterable
+from collections.abc import Collection, Hashable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -61,6 +61,12 @@ MIDDLES: Floats = np.arange(HEADINGS, dtype=np.float64) * STEP
 SAME_HEADING = 4
 """Decimals, in radians, to which headings are told apart when it comes to how a thing is held."""
 
+OF_THE_HAND = (
+    "holds", "holds within a step", "place holds", "grasps", "grips", "turned", "turns",
+    "carrying", "level",
+)  # fmt: skip
+"""Tables of the memory that depend on the objects and the robot alone, not on what stands about."""
+
 AWAY = (1e3, 1e3, 0.0, 0.0)
 """Where the sites on an object are that is in the hand: nobody reaches them."""
 
@@ -107,8 +113,11 @@ class TabletopWorld:
     memory: Memory = field(default_factory=Memory)
 
     @classmethod
-    def of(cls, scene: Scene, robot: RobotModel) -> TabletopWorld:
-        """The world of a scene for a robot.
+    def of(
+        cls, scene: Scene, robot: RobotModel, before: TabletopWorld | None = None
+    ) -> TabletopWorld:
+        """The world of a scene for a robot. Of a world `before`, with the same objects and the
+        same robot, what is known of both stays known.
 
         Raises:
             InputError: the robot cannot stand where the scene puts it.
@@ -131,20 +140,30 @@ class TabletopWorld:
         items = tuple(item for item, _ in made)
         things = zip(scene.objects, scene.world.movables, items, strict=True)
         one = len(scene.families) == 1  # a hand that comes in one way only turns nothing
+        alike = before is not None and (
+            before.robot is robot
+            and before.scene.objects is scene.objects
+            and before.scene.world.movables is scene.world.movables
+            and before.families == scene.families
+        )
+        known = before if alike else None
         return cls(
             scene=scene,
             robot=robot,
-            items=items,
-            faces=tuple(
+            items=items if known is None else known.items,
+            faces=known.faces
+            if known is not None
+            else tuple(
                 (item,) if one else faces_of(told, thing, item) for told, thing, item in things
             ),
             starts=tuple(start for _, start in made),
             grounds=grounds_of(scene, items),
-            hand=hand_of(robot),
+            hand=hand_of(robot) if known is None else known.hand,
             families=scene.families,
             statics=statics,
             roads=roads,
             room=room_around(statics, roads.clearance, *room),
+            memory=Memory() if known is None else known.memory.of_tables(OF_THE_HAND),
         )
 
     @cached_property
@@ -435,7 +454,7 @@ class TabletopWorld:
         hold = self.memory.answer(
             "holds within a step",
             (kind, face, family, rest),
-            lambda: self._hold(self.faces[kind][face], family, rest),
+            lambda: self._holds(self.faces[kind][face], family, [rest])[0],
         )
         by = int(steps) % HEADINGS
         return SiteHold(
@@ -445,25 +464,49 @@ class TabletopWorld:
             np.roll(hold.angles, by) + by * STEP,
         )
 
-    def _hold(self, item: Item, family: int, yaw: float) -> SiteHold:
+    def learn_holds(self, family: int, standing: Iterable[tuple[int, int, float]]) -> None:
+        """Look at once at how objects, by index, face and heading, are taken, where that is not
+        known yet."""
+        table = self.memory.table("holds within a step")
+        unknown: dict[tuple[int, int], set[float]] = {}
+        for index, face, yaw in standing:
+            kind, rest = self.kinds[index], round(yaw % STEP, SAME_HEADING)
+            if (kind, face, family, rest) not in table:
+                unknown.setdefault((kind, face), set()).add(rest)
+        for (kind, face), found in unknown.items():
+            rests = sorted(found)
+            holds = self._holds(self.faces[kind][face], family, rests)
+            for rest, hold in zip(rests, holds, strict=True):
+                self.memory.keep("holds within a step", (kind, face, family, rest), hold)
+
+    def _holds(self, item: Item, family: int, yaws: Sequence[float]) -> list[SiteHold]:
+        """How an object that stands with some headings is taken along each heading of the hand."""
         # Squarely on a side where there is one within the step, else as it comes.
-        tried: list[float] = []
-        owner: list[int] = []
-        for k, middle in enumerate(MIDDLES.tolist()):
-            near = [middle + t for t in _turns(item.sides + yaw - middle) if abs(t) <= STEP / 2]
-            tried += [*near, middle]
-            owner += [k] * (len(near) + 1)
-        rows, angles, fits = np.zeros((HEADINGS, 3)), MIDDLES.copy(), 0
-        found = item.holds(self.hand, family, np.array(tried) - yaw)
+        tried: list[tuple[list[float], list[int]]] = []
+        for yaw in yaws:
+            angles: list[float] = []
+            owner: list[int] = []
+            for k, middle in enumerate(MIDDLES.tolist()):
+                near = [middle + t for t in _turns(item.sides + yaw - middle) if abs(t) <= STEP / 2]
+                angles += [*near, middle]
+                owner += [k] * (len(near) + 1)
+            tried.append((angles, owner))
+        seen = [np.array(angles) - yaw for (angles, _), yaw in zip(tried, yaws, strict=True)]
+        found = item.holds(self.hand, family, np.concatenate(seen))
         if found is None:
-            return SiteHold(rows, 0.0, 0, angles)
-        for i in range(len(tried) - 1, -1, -1):
-            k = owner[i]
-            if found.fits[i] or not (fits >> k) & 1:
-                rows[k] = found.width[i] / 2, found.along[i], found.aside[i]
-                angles[k] = tried[i]
-                fits |= int(found.fits[i]) << k
-        return SiteHold(rows, found.height, fits, angles)
+            return [SiteHold(np.zeros((HEADINGS, 3)), 0.0, 0, MIDDLES.copy()) for _ in yaws]
+        holds, first = [], 0
+        for angles, owner in tried:
+            rows, chosen, fits = np.zeros((HEADINGS, 3)), MIDDLES.copy(), 0
+            for i in range(len(angles) - 1, -1, -1):
+                k, at = owner[i], first + i
+                if found.fits[at] or not (fits >> k) & 1:
+                    rows[k] = found.width[at] / 2, found.along[at], found.aside[at]
+                    chosen[k] = angles[i]
+                    fits |= int(found.fits[at]) << k
+            holds.append(SiteHold(rows, found.height, fits, chosen))
+            first += len(angles)
+        return holds
 
     def grasp(self, index: int, face: int, family: int, angle: float) -> Grasp | None:
         """The grasp of an object by a family at a heading in the standing frame of a face; None

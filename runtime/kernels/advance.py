@@ -302,8 +302,10 @@ def _noted(asked, number, a, b, low, high):  # type: ignore[no-untyped-def]
 def path_collides(chain, body, obstacles, margin, sweep, path):  # type: ignore[no-untyped-def]
     """The index of a segment of a path (p, n) that comes within the margin of something, or -1:
     then the whole path keeps half the margin. Parts of frame 0 do not move: they are not tested
-    against obstacles."""
+    against obstacles. A single point has no segments."""
     p, n = path.shape
+    if p < 2:
+        return -1
     pieces = np.ones(max(p - 1, 0), dtype=np.int64)
     for i in range(p - 1):
         longest = 0.0

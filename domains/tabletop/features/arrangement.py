@@ -155,6 +155,8 @@ class Arrangement:
         picks = {}
         owns = world.owns_of(placements)
         for family in world.families:
+            standing = ((i, face_of(placements[i]), yaws[i]) for i in range(n) if present[i])
+            world.learn_holds(family, standing)
             rows = [
                 _pick_row(world, i, family, sites[i], yaws[i], placements[i], present[i])
                 for i in range(n)

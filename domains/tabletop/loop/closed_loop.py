@@ -84,12 +84,12 @@ class ClosedLoop:
         self.beliefs = Beliefs(scene.world, self.disturber.noise)
         self.grasp: Grasp | None = None
         self.broken_off = 0
-        self._know(scene)
+        self._know(TabletopWorld.of(scene, robot))
 
-    def _know(self, scene: Scene) -> None:
-        """Take a scene for what is there."""
-        self.scene = scene
-        self.problem = TabletopProblem(TabletopWorld.of(scene, self.robot), self.seed)
+    def _know(self, world: TabletopWorld) -> None:
+        """Take a world for what is there."""
+        self.scene = world.scene
+        self.problem = TabletopProblem(world, self.seed)
         self.guide = Guide(self.compiled)
 
     def run(self) -> tuple[Verdict, Trace | None]:
@@ -220,4 +220,5 @@ class ClosedLoop:
             if name not in known
         )
         if new:
-            self._know(self.scene.with_boxes(new))
+            world = self.problem.world
+            self._know(TabletopWorld.of(self.scene.with_boxes(new), self.robot, world))
