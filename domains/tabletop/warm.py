@@ -22,6 +22,7 @@ from domains.tabletop.subproblem import SEEDS, TabletopSubproblem
 from domains.tabletop.world import TabletopWorld
 from runtime.kernels import arm
 from runtime.kernels.boxes import within_reach
+from runtime.kernels.cache import has_compiled
 from runtime.kernels.convex import boxes_only
 from runtime.motion import rrt
 from runtime.motion.arm_context import ArmContext
@@ -56,12 +57,20 @@ def warm_up(robot: RobotModel) -> None:
             steps += found
             state = found[-1].after
     list(scheduled(executor, steps))
+    if has_compiled():
+        # What only some scenes ask is compiled with the rest; loaded it is when it is asked for.
+        _warm_up_rare(world, rng)
+
+
+def _warm_up_rare(world: TabletopWorld, rng: np.random.Generator) -> None:
+    """The same for drives of some robots, lanes where the base cannot turn, solids that are no
+    boxes, and ways of the arm that are not simple."""
+    robot = world.robot
     start, goal = (0.0, 0.0, 0.0), (0.5, 0.3, 1.0)
     if robot.base.type != "fixed":
         drives(
             robot, start, goal, np.array([start, goal]), True, world.statics, world.roads.clearance
         )
-    # What only some scenes ask: lanes where the base cannot turn, and solids that are no boxes.
     body = robot.body(0.05)
     placed = np.zeros((len(body.frame), 3, 4))
     arm.body_collides(body, placed, boxes_only(world.statics), 0.01)

@@ -299,14 +299,11 @@ def _noted(asked, number, a, b, low, high):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def path_collides(chain, body, obstacles, margin, sweep, path):  # type: ignore[no-untyped-def]
-    """The index of a segment of a path (p, n) that comes within the margin of something, or -1:
-    then the whole path keeps half the margin. Parts of frame 0 do not move: they are not tested
-    against obstacles. A single point has no segments."""
+def dense(path):  # type: ignore[no-untyped-def]
+    """Rows (k, n), near each other, on the lines of a path (p, n) of two points or more, and the
+    line that each is on (k,)."""
     p, n = path.shape
-    if p < 2:
-        return -1
-    pieces = np.ones(max(p - 1, 0), dtype=np.int64)
+    pieces = np.ones(p - 1, dtype=np.int64)
     for i in range(p - 1):
         longest = 0.0
         for j in range(n):
@@ -314,18 +311,16 @@ def path_collides(chain, body, obstacles, margin, sweep, path):  # type: ignore[
         pieces[i] = max(1, int(np.ceil(longest / FINE)))
     count = pieces.sum() + 1
     rows = np.empty((count, n))
-    segment = np.empty(count, dtype=np.int64)
+    line = np.empty(count, dtype=np.int64)
     at = 0
     for i in range(p - 1):
         for piece in range(pieces[i]):
             share = piece / pieces[i]
             for j in range(n):
                 rows[at, j] = path[i, j] + share * (path[i + 1, j] - path[i, j])
-            segment[at] = i
+            line[at] = i
             at += 1
     for j in range(n):
         rows[at, j] = path[p - 1, j]
-    segment[at] = max(0, p - 2)
-    lowest = np.ones(obstacles.rows.shape[0], dtype=np.int64)
-    hit = first_hit(chain, body, obstacles, lowest, margin, sweep, rows)
-    return -1 if hit < 0 else segment[hit]
+    line[at] = p - 2
+    return rows, line

@@ -35,16 +35,26 @@ def prepare(package: Path) -> None:
     log.warning("no folder for compiled kernels: every start takes some 20 s (set %s)", FOLDER)
 
 
+class _Compiled:
+    """Whether this process had to compile a kernel."""
+
+    some = False
+
+
+def has_compiled() -> bool:
+    """Whether this process had to compile a kernel: those that it has not asked for yet may not
+    be kept anywhere either."""
+    return _Compiled.some
+
+
 def announce() -> None:
     """Say once, when the first kernel is compiled, that this takes its time."""
     from numba.core import event
 
     class Once(event.Listener):  # type: ignore[misc]
-        said = False
-
         def on_start(self, event: object) -> None:
-            if not Once.said:
-                Once.said = True
+            if not _Compiled.some:
+                _Compiled.some = True
                 logging.getLogger("sketchlang").warning(
                     "compiling kernels, once: this takes half a minute or more"
                 )

@@ -8,7 +8,6 @@ import numpy as np
 from numba import njit
 
 from runtime.kernels.course import excess, marks, speeds
-from runtime.kernels.follow import KEPT, TRIES, course
 
 POINTS = 24
 """Way points of a curve while it is looked for."""
@@ -75,46 +74,38 @@ def driven(rows):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def along(a, b, way, size, limits, share, tick, fine):  # type: ignore[no-untyped-def]
-    """Poses (m, 3), a tick apart, on the curve from pose to pose with tangents of `size` metres,
-    within the limits where they are measured: from row to row. `limits` are those of the way
-    driven and the heading, as for `runtime.kernels.follow`."""
+def way_points(a, b, way, size):  # type: ignore[no-untyped-def]
+    """The way driven and the heading (k, 2) along the curve from pose to pose with tangents of
+    `size` metres."""
     poses = np.empty((DENSE, 3))
     curve(a[0], a[1], a[2], b[0], b[1], b[2], way, size, size, poses)
-    way_points = travelled(poses, way)
-    rows = poses
-    slower = 1.0
-    for _ in range(TRIES):
-        tighter = limits.copy()
-        tighter[0] /= slower
-        tighter[1] /= slower**2
-        tighter[2] /= slower**3
-        rows = _on_curve(
-            a, b, way * size, way_points, course(way_points, tighter, share, tick, fine)
-        )
-        over = excess(driven(rows), tick, limits[0], limits[1], limits[2])
-        if over <= KEPT:
-            break
-        slower *= over
-    return rows
+    return travelled(poses, way)
 
 
 @njit(cache=True)
-def _on_curve(a, b, pull, way_points, rows):  # type: ignore[no-untyped-def]
-    """Poses where so much of a curve is driven, with headings (m, 2); of its `way_points` (k, 2)
-    that is known."""
+def on_curve(a, b, pull, points, rows, limits, tick):  # type: ignore[no-untyped-def]
+    """Poses (m, 3) where so much of a curve is driven, with headings (m, 2), of its way `points`
+    (k, 2); and by which factor they would have to be slower to keep the limits, as for
+    `runtime.kernels.follow`, where they are measured: from row to row."""
+    poses = _on_curve(a, b, pull, points, rows)
+    return poses, excess(driven(poses), tick, limits[0], limits[1], limits[2])
+
+
+@njit(cache=True)
+def _on_curve(a, b, pull, points, rows):  # type: ignore[no-untyped-def]
+    """Poses (m, 3) where so much of a curve with way `points` (k, 2) is driven."""
     out = np.empty((rows.shape[0], 3))
-    last = way_points.shape[0] - 1
+    last = points.shape[0] - 1
     at = 0
     for i in range(rows.shape[0]):
         driven_here = abs(rows[i, 0])
-        while at < last and abs(way_points[at + 1, 0]) < driven_here:
+        while at < last and abs(points[at + 1, 0]) < driven_here:
             at += 1
-        while at > 0 and abs(way_points[at, 0]) > driven_here:
+        while at > 0 and abs(points[at, 0]) > driven_here:
             at -= 1
         share = 1.0
         if at < last:
-            low, high = abs(way_points[at, 0]), abs(way_points[at + 1, 0])
+            low, high = abs(points[at, 0]), abs(points[at + 1, 0])
             share = (at + (driven_here - low) / max(high - low, 1e-12)) / last
         t = min(1.0, max(0.0, share))
         h10, h01, h11 = t * (1 - t) ** 2, t * t * (3 - 2 * t), t * t * (t - 1)

@@ -115,21 +115,20 @@ def line(span, limits, tick, fine):  # type: ignore[no-untyped-def]
 @njit(cache=True)
 def with_stops(path, limits, tick, fine):  # type: ignore[no-untyped-def]
     """Rows (m, d) along a path (p, d) with a stop at every way point."""
-    parts = [path[:1].copy()]
+    rows = np.empty((256, path.shape[1]))
+    rows[0] = path[0]
     count = 1
     for i in range(path.shape[0] - 1):
         part = line(path[i + 1] - path[i], limits, tick, fine)
-        part += path[i]
-        parts.append(part)
-        count += part.shape[0] - 1
-    rows = np.empty((count, path.shape[1]))
-    rows[0] = path[0]
-    at = 1
-    for part in parts[1:]:
-        for i in range(1, part.shape[0]):
-            rows[at] = part[i]
-            at += 1
-    return rows
+        if count + part.shape[0] > rows.shape[0]:
+            longer = np.empty((2 * (count + part.shape[0]), path.shape[1]))
+            longer[:count] = rows[:count]
+            rows = longer
+        for j in range(1, part.shape[0]):
+            for k in range(path.shape[1]):
+                rows[count, k] = path[i, k] + part[j, k]
+            count += 1
+    return rows[:count].copy()
 
 
 @njit(cache=True)

@@ -14,7 +14,6 @@ import math
 import numpy as np
 from numba import njit
 
-from runtime.kernels.advance import path_collides
 from runtime.kernels.arm import collides
 
 HARDLY = 0.12
@@ -23,9 +22,13 @@ anything."""
 
 
 @njit(cache=True)
-def quickest_staged(chain, body, obstacles, margin, sweep, velocity, start, goal):  # type: ignore[no-untyped-def]
-    """Whether there is a free way from `start` to `goal` (n,) in two stages, and the posture (n,)
-    between the stages of the quickest one. The time of a stage is that of its slowest joint."""
+def next_staged(  # type: ignore[no-untyped-def]
+    chain, body, obstacles, margin, sweep, velocity, start, goal, first_place
+):
+    """Of the ways from `start` to `goal` (n,) in two stages, in the order of their times, the
+    first from a place on that a few postures do not show to be barred: its place, -1 where there
+    is none, and the posture (n,) between the stages. The time of a stage is that of its slowest
+    joint."""
     n = start.shape[0]
     frames = np.empty((n + 1, 3, 4))
     placed = np.empty((body.frame.shape[0], 3, 4))
@@ -40,19 +43,19 @@ def quickest_staged(chain, body, obstacles, margin, sweep, velocity, start, goal
         if abs(goal[k] - start[k]) * sweep[n, k] <= HARDLY:
             least = max(least, seconds[k] / 2)
     durations = _durations(seconds[moving], least)
-    for first in np.argsort(durations, kind="mergesort"):
+    order = np.argsort(durations, kind="mergesort")
+    for place in range(first_place, order.shape[0]):
+        first = order[place]
         if durations[first] == math.inf:
             break
         for bit in range(moving.shape[0]):
             k = moving[bit]
             path[1, k] = goal[k] if (first >> bit) & 1 else start[k]
-        if (
-            not collides(chain, body, obstacles, margin, path[1], frames, placed)
-            and not _collides_grossly(chain, body, obstacles, margin, path, frames, placed)
-            and path_collides(chain, body, obstacles, margin, sweep, path) < 0
-        ):
-            return True, path[1]
-    return False, path[1]
+        if not collides(
+            chain, body, obstacles, margin, path[1], frames, placed
+        ) and not _collides_grossly(chain, body, obstacles, margin, path, frames, placed):
+            return place, path[1]
+    return -1, path[1]
 
 
 @njit(cache=True)

@@ -64,9 +64,19 @@ class ArmContext:
         )
         return hit
 
+    def first_barred(self, path: Floats, margin: float = FREE_MARGIN) -> int | None:
+        """The number of a line of a polyline of configurations (p, n) that comes within the margin
+        of something; None where there is none: then all of it keeps half the margin. Parts of
+        the base are not tested against obstacles. A single point has no lines."""
+        if len(path) < 2:
+            return None
+        rows, line = advance.dense(path)
+        robot, lowest = self.robot, np.ones(len(self.obstacles.rows), dtype=np.int64)
+        hit = advance.first_hit(
+            robot.chain, self.body, self.obstacles, lowest, margin, self.sweep, rows
+        )
+        return None if hit < 0 else int(line[hit])
+
     def path_is_free(self, path: Floats, margin: float = FREE_MARGIN) -> bool:
         """Whether the polyline of configurations (p, n) is free, in between as well."""
-        hit = advance.path_collides(
-            self.robot.chain, self.body, self.obstacles, margin, self.sweep, path
-        )
-        return bool(hit < 0)
+        return self.first_barred(path, margin) is None

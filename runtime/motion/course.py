@@ -92,7 +92,15 @@ def course(path: Floats, limits: Limits, share: float = TURNING) -> Floats:
 
 def line(span: Floats, limits: Limits) -> Floats:
     """Rows (m, d) from zero to `span` (d,), all coordinates in step."""
-    rows: Floats = kernel.line(span, limits.packed, TICK, FINE)
+    # One kernel follows all paths, that of a single line too: each takes a while to load.
+    ends = np.array([np.zeros(len(span)), span])
+    if np.abs(span).max(initial=0.0) < kernel.SAME:
+        return ends[:1]
+    size = np.maximum(np.abs(span), kernel.SAME)
+    rates = ((row / size).min() for row in (limits.velocity, limits.acceleration, limits.jerk))
+    packed = np.array([[rate] for rate in rates] + [[-np.inf], [np.inf]])
+    share = kernel.course(np.array([[0.0], [1.0]]), packed, TURNING, TICK, FINE)
+    rows: Floats = share * span
     return rows
 
 

@@ -14,7 +14,8 @@ import numpy as np
 
 from runtime.angles import wrap
 from runtime.kernels import curves
-from runtime.motion.course import FINE, TICK, Limits, base_limits, line, with_stops
+from runtime.kernels.follow import KEPT, TRIES
+from runtime.motion.course import TICK, Limits, base_limits, course, line, with_stops
 from runtime.motion.roads import Stand
 from runtime.robot.model import Floats, RobotModel
 
@@ -76,12 +77,22 @@ def _followed(start: Stand, goal: Stand, told: list[float], limits: Limits) -> F
     heading = start[2]
     for a, b in pairwise(ends):
         size = share * math.hypot(b[0] - a[0], b[1] - a[1])
-        piece = curves.along(
-            (a[0], a[1], heading), b, way, size, limits.packed, TURNING, TICK, FINE
-        )
+        piece = _along((a[0], a[1], heading), b, way, size, limits)
         rows.append(piece[min(1, len(rows)) :])
         heading, way = float(piece[-1, 2]), -way
     return np.vstack(rows)
+
+
+def _along(a: Stand, b: Stand, way: float, size: float, limits: Limits) -> Floats:
+    """Rows (m, 3) along a curve, within the limits where they are measured: from row to row."""
+    points, slower = curves.way_points(a, b, way, size), 1.0
+    for _ in range(TRIES):
+        followed = course(points, limits.slower(slower), TURNING)
+        rows, over = curves.on_curve(a, b, way * size, points, followed, limits.packed, TICK)
+        if over <= KEPT:
+            break
+        slower *= over
+    return rows  # type: ignore[no-any-return]
 
 
 def _turning(poses: Floats, limits: Limits) -> Floats:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from runtime.kernels.staged import quickest_staged
+from runtime.kernels.staged import next_staged
 from runtime.motion.arm_context import FREE_MARGIN, ArmContext
 from runtime.robot.model import Floats
 
@@ -70,12 +70,8 @@ def _is_possible(context: ArmContext, start: Floats, goal: Floats) -> bool:
 def staged(context: ArmContext, start: Floats, goal: Floats) -> Floats | None:
     """The quickest free path (p, n) on which first some joints move and then the others, with an
     arc in place of the corner; None where none is free."""
-    robot = context.robot
-    found, corner = quickest_staged(
-        robot.chain, context.body, context.obstacles, FREE_MARGIN, context.sweep,
-        robot.velocity, start, goal,
-    )  # fmt: skip
-    if not found:
+    corner = quickest(context, start, goal)
+    if corner is None:
         return None
     for width in WIDTHS:
         before, after = corner + width * (start - corner), corner + width * (goal - corner)
@@ -83,6 +79,20 @@ def staged(context: ArmContext, start: Floats, goal: Floats) -> Floats | None:
         if context.path_is_free(path):
             return path
     return np.array([start, corner, goal])
+
+
+def quickest(context: ArmContext, start: Floats, goal: Floats) -> Floats | None:
+    """The posture between the stages of the quickest free way in two stages; None for none."""
+    robot, place = context.robot, -1
+    while True:
+        place, corner = next_staged(
+            robot.chain, context.body, context.obstacles, FREE_MARGIN, context.sweep,
+            robot.velocity, start, goal, place + 1,
+        )  # fmt: skip
+        if place < 0:
+            return None
+        if context.path_is_free(np.array([start, corner, goal])):
+            return corner  # type: ignore[no-any-return]
 
 
 def rrt_connect(

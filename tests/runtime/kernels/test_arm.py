@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from runtime.kernels import advance, arm, between
+from runtime.kernels import arm, between
 from runtime.kernels.convex import boxes_only
 from runtime.motion.arm_context import ArmContext
 from runtime.robot import load
@@ -188,8 +188,7 @@ def test_the_segment_that_collides_is_named(robot) -> None:
     free = robot.home - 0.2 * nudge
     path = np.array([free, robot.home - 0.1 * nudge, free, robot.home + nudge])
     context = ArmContext(robot, body, world)
-    found = advance.path_collides(robot.chain, body, context.obstacles, 0.004, robot.sweep, path)
-    assert found == 2
+    assert context.first_barred(path) == 2
 
 
 @pytest.mark.parametrize("held", [None, HELD, POLE], ids=["open", "holding", "pole"])

@@ -7,7 +7,7 @@ import itertools
 import numpy as np
 import pytest
 
-from runtime.kernels.staged import HARDLY, quickest_staged
+from runtime.kernels.staged import HARDLY
 from runtime.motion import rrt
 from runtime.motion.arm_context import FREE_MARGIN, ArmContext
 from runtime.robot.model import RobotModel
@@ -106,10 +106,7 @@ def test_of_the_ways_in_two_stages_the_quickest_free_one_is_taken(cluttered, rng
         barred += path is None
         if path is not None:
             found += 1
-            _, corner = quickest_staged(
-                robot.chain, cluttered.body, cluttered.obstacles, FREE_MARGIN, cluttered.sweep,
-                robot.velocity, home, goal,
-            )  # fmt: skip
+            corner = rrt.quickest(cluttered, home, goal)
             stages = np.abs(corner - home), np.abs(goal - corner)
             taken = sum((stage / robot.velocity).max() for stage in stages)
             assert taken == pytest.approx(min(free))
