@@ -4,7 +4,8 @@ python -m benchmarks.planning_time [SCENE...] [--other TREE] [--seeds N] [--roun
 
 Each round plans a scene with all seeds, in a process of this tree and one of the other, in turn, so
 that both see the same machine. Of each seed the quickest of the rounds counts; what is loaded and
-compiled before is not counted.
+compiled before is not counted. `then` are the milliseconds, median, in which the motions of the
+plan are put together in time.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 from statistics import median
+from typing import Literal
 
 from runtime.bench.paper import SCENES
 
@@ -38,7 +40,9 @@ try:
             task.reporting.hopeless()
             rng = np.random.default_rng(seed)
             return solve(task.sketch, task.problem, Limits(timeout=60.0), rng)
-        return plan
+        def together(outcome):
+            task.reporting.document(task.sketch.model, outcome, "lazy-siiw-r", seed)
+        return plan, together
 except ImportError:  # before there was one way to solve
     from runtime.scene.library import find_scene
     from runtime.search.planners import PLANNERS
@@ -49,19 +53,26 @@ except ImportError:  # before there was one way to solve
         problem = checked.domain.load(str(path), {"seed": seed, "name": name})
         problem.warm_up()
         rng = np.random.default_rng(seed)
-        return lambda: PLANNERS["lazy-siiw-r"](sketch, problem, Limits(timeout=60.0), rng)
-planner(0)()
+        plan = lambda: PLANNERS["lazy-siiw-r"](sketch, problem, Limits(timeout=60.0), rng)
+        return plan, lambda outcome: None
+plan, together = planner(0)
+together(plan())
 rows = []
 for seed in range(seeds):
-    plan = planner(seed)
+    plan, together = planner(seed)
     begun = time.process_time()
     outcome = plan()
-    rows.append((1000 * (time.process_time() - begun), outcome.solved, len(outcome.subgoals)))
+    found = time.process_time()
+    together(outcome)
+    done = time.process_time()
+    subgoals = len(outcome.subgoals)
+    rows.append((1000 * (found - begun), outcome.solved, subgoals, 1000 * (done - found)))
 print(json.dumps(rows))
 """
 
-Row = tuple[float, bool, int]
-"""Milliseconds, whether it was solved, and the number of subplans."""
+Row = tuple[float, bool, int, float]
+"""Milliseconds of the search, whether it was solved, the number of subplans, and milliseconds of
+putting the motions together in time."""
 
 
 def planned(tree: Path, scene: str, seeds: int) -> list[Row]:
@@ -74,12 +85,12 @@ def planned(tree: Path, scene: str, seeds: int) -> list[Row]:
         text=True,
         check=True,
     )
-    return [(row[0], row[1], row[2]) for row in json.loads(done.stdout.splitlines()[-1])]
+    return [(row[0], row[1], row[2], row[3]) for row in json.loads(done.stdout.splitlines()[-1])]
 
 
-def quickest(rounds: Sequence[Sequence[Row]]) -> list[float]:
-    """Milliseconds of each seed in its quickest round."""
-    return [min(row[0] for row in rows) for rows in zip(*rounds, strict=True)]
+def quickest(rounds: Sequence[Sequence[Row]], what: Literal[0, 3] = 0) -> list[float]:
+    """Milliseconds of each seed in its quickest round, of the search or of what comes then."""
+    return [min(row[what] for row in rows) for rows in zip(*rounds, strict=True)]
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -90,8 +101,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--seeds", type=int, default=10)
     parser.add_argument("--rounds", type=int, default=3)
     options = parser.parse_args(arguments)
-    print("| scene | solved | subplans | ms, median | worst | worst / median | other | ratio |")
-    print("|---|---|---|---|---|---|---|---|")
+    print(
+        "| scene | solved | subplans | ms, median | worst | worst / median | other | ratio | then |"
+    )
+    print("|---|---|---|---|---|---|---|---|---|")
     for scene in options.scenes:
         ours: list[list[Row]] = []
         others: list[list[Row]] = []
@@ -111,6 +124,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         ]
         other = median(quickest(others)) if others else None
         cells += ["", ""] if other is None else [f"{other:.0f}", f"{middle / other:.2f}"]
+        cells.append(f"{median(quickest(ours, 3)):.0f}")
         print("| " + " | ".join(cells) + " |", flush=True)
 
 

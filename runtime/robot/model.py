@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -52,7 +53,8 @@ JERK = 20.0
 acceleration within a twentieth of a second."""
 
 OPENINGS = 256
-"""Openings of the fingers for which the poses of their parts are remembered."""
+"""Openings of the fingers for which the poses of their parts are remembered; as many bodies that
+hold something are."""
 
 HELD_EXTENT = 0.3
 """Metres from the tool frame to the farthest corner of a held object, at most."""
@@ -162,6 +164,16 @@ class RobotModel:
         more = _held_parts(held)
         if not more:
             return own._replace(pose=poses)
+        key = (opening, *((part.solid, part.pose.tobytes()) for part in more))
+        if key not in self._holding:
+            self._holding[key] = self._with(poses, more)
+            if len(self._holding) > OPENINGS:
+                self._holding.popitem(last=False)
+        return self._holding[key]
+
+    def _with(self, poses: Floats, more: Sequence[Part]) -> Body:
+        """The body whose own parts are at some poses, with parts that are held."""
+        own = self._own
         n, count = len(self.parts), len(more)
         half = np.vstack([own.half, [part.solid.half for part in more]])
         apart = np.flatnonzero([part.link not in self.gripper.links for part in self.parts])
@@ -183,6 +195,11 @@ class RobotModel:
     def _opened(self) -> dict[float, Floats]:
         """The poses of the robot's own parts for openings that were asked for."""
         return {}
+
+    @cached_property
+    def _holding(self) -> OrderedDict[object, Body]:
+        """Bodies that hold something, for questions that were asked."""
+        return OrderedDict()
 
     @cached_property
     def _own(self) -> Body:
