@@ -104,7 +104,7 @@ def row_of(task: TabletopWorld, state: State) -> list[tuple[float, ...]]:
     words = task.words
     assert words is not None
     row, _ = words._best_row(words._blocks(arrangement(task, state.placements)))
-    return [tuple(round(value, 3) for value in slot) for slot in row.slots]
+    return [tuple(round(value, 3) for value in slot) for slot in row.tolist()]
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -130,12 +130,25 @@ def test_a_row_is_not_laid_where_blocks_crowd(task) -> None:
     blocks = words._blocks(arrangement(task, task.initial.placements))
     chosen, filled = words._best_row(blocks)
     crowd = {}
-    for row in words._rows(blocks):
-        now = words._filled(row, blocks)
-        if len(now) == len(filled) and words._blockers(row, now, blocks)[0] == 0:
-            empty = [slot for number, slot in enumerate(row.slots) if number not in now]
-            others = [block for index, block in blocks.items() if index not in now.values()]
-            near = [min(math.dist(block[:2], slot) for slot in empty) for block in others]
-            crowd[row] = sum(max(0.0, NEAR - distance) for distance in near)
-    assert crowd[chosen] <= min(crowd.values()) + 0.001 * len(blocks)
-    assert max(crowd.values()) > crowd[chosen]
+    word, letters = task.scene.word, words.letters
+    for row in words._rows(blocks).tolist():
+        now = {
+            number: index
+            for number, slot in enumerate(row)
+            for index, at, aligned in zip(blocks.indices, blocks.xy, blocks.aligned, strict=True)
+            if aligned
+            and letters[index] == word.word[number]
+            and math.dist(at, slot) <= word.tolerance
+        }
+        empty = [slot for number, slot in enumerate(row) if number not in now]
+        others = [
+            at
+            for index, at in zip(blocks.indices, blocks.xy, strict=True)
+            if index not in now.values()
+        ]
+        near = [min(math.dist(at, slot) for slot in empty) for at in others]
+        if len(now) == len(filled) and min(near) >= 0.9 * word.pitch:
+            crowd[str(row)] = sum(max(0.0, NEAR - distance) for distance in near)
+    best = crowd[str(chosen.tolist())]
+    assert best <= min(crowd.values()) + 0.001 * len(blocks.indices)
+    assert max(crowd.values()) > best
