@@ -55,7 +55,8 @@ def located(folder: str, name: str) -> str:
     """The path of a name that starts from a folder, if there is such a file; else the name."""
     path = Path(folder) / name
     try:
-        return str(path) if name and path.exists() else name
+        # A folder of tasks bears the name of its domain's sketch, and is none.
+        return str(path) if name and path.is_file() else name
     except (OSError, ValueError):  # a name that is too long, or has a NUL
         return name
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
 from pathlib import Path
 
 import pytest
@@ -15,7 +16,9 @@ from runtime.bench import store
 from runtime.bench.job import key, new_result
 from runtime.bench.runner import run_job
 from sketchlang.cli import cli
+from tests.pddl.small_tasks import TASKS
 
+DOMAINS = Path(__file__).parents[2] / "domains"
 PAGE = Path(__file__).parents[2] / "docs" / "tutorial-pddl.md"
 
 
@@ -83,3 +86,13 @@ def test_a_benchmark_goes_on_where_it_ended(folder: Path) -> None:
     (found,) = store.read_results(Path("results.jsonl"))
     assert key(found) == job
     assert found["valid"]
+
+
+def test_a_folder_of_tasks_bears_the_name_of_its_sketch(tmp_path: Path) -> None:
+    (tmp_path / "gripper").mkdir()
+    (tmp_path / "gripper" / "p1.pddl").write_text(TASKS["gripper"])
+    shutil.copy(DOMAINS / "gripper" / "domain.pddl", tmp_path / "gripper")
+    words = ["bench", "ipc", "--tasks", str(tmp_path), "--jobs", "1"]
+    done = CliRunner().invoke(cli, [*words, "--out", str(tmp_path / "out.jsonl")])
+    assert done.exit_code == 0, done.output
+    assert "1/1" in done.output
