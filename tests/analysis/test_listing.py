@@ -24,6 +24,7 @@ from sketchlang.analysis.walk import close, propose
 from sketchlang.loader import load_text
 from sketchlang.model import SketchModel
 from sketchlang.source import Source
+from tests.analysis import notation
 from tests.analysis.random_sketches import dense_sketch, random_sketch
 from tests.analysis.reference import Edge, policy_graph, surviving_components
 from tests.analysis.replay import replay
@@ -195,3 +196,18 @@ def test_a_closed_gray_code() -> None:
     assert isinstance(verdict, NonTerminating)
     assert len(verdict.walk) == 1 << 13
     replay(sketch, verdict)
+
+
+@pytest.mark.parametrize("bounded", [False, True])
+@pytest.mark.parametrize("strict", ["n--", "n++"])
+@pytest.mark.parametrize("undoes", ["", "n--", "n++", "!n++", "!n--", "n?"])
+def test_a_rule_is_finite_only_where_no_other_may_undo_it(bounded, strict, undoes) -> None:
+    """Two rules take turns. The tables say that the first fires finitely often, and the other then
+    leads to a higher rank: a forger may write them for any two rules."""
+    rules = [f"!p -> p {strict}", f"p -> !p {undoes}"]
+    sketch = notation.model("turns", "p", "n", rules, bounded=bounded)
+    tables = [[0, 0, 0, 0], [1, 0, 1, 0]]  # of !p, p with n = 0, then with n > 0
+    packed = tuple(np.array(table, "<u4").tobytes() for table in tables)
+    step = Ranks((0, 1), packed, (0, 1))
+    certificate = certificate_of(sketch, Terminating((step,), "sieve"))
+    assert refused(certificate, sketch) == bool(surviving_components(sketch))

@@ -99,6 +99,26 @@ def test_a_walk_is_a_valid_plan() -> None:
         assert all(finding.action is None for finding in verdict.findings)
 
 
+def test_of_all_steps_with_all_objects_those_that_apply_are_accepted() -> None:
+    """Objects of other types, and wrong numbers of them, too; the grounding says which apply."""
+    seen = set()
+    for seed in range(25):
+        task = task_of(seed)
+        problem = PddlProblem(ground(task))
+        applicable = {operator.name for operator, _ in problem.successors(problem.initial)}
+        names = sorted(thing.name for thing in task.objects)
+        for action in task.domain.actions:
+            count = len(action.parameters)
+            given = [*product(names, repeat=count), (*names, *names)[: count + 1]]
+            for values in given:
+                step = step_of(f"({' '.join((action.name, *values))})")
+                refused = any(f.action == 0 for f in replay.replay(task, [step]).findings)
+                name = f"({' '.join((action.name, *values))})"
+                assert refused == (name not in applicable), name
+                seen.add(refused)
+    assert seen == {True, False}
+
+
 def test_a_wrong_plan_is_refused() -> None:
     task = task_of(3)
     verdict = replay.replay(task, [step_of("(fly box0)")])

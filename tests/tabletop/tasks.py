@@ -19,10 +19,10 @@ def stick(name: str, x: float, y: float, more: str = "") -> str:
     return f'[[object]]\nname = "{name}"\nsize = [0.04, 0.04, 0.2]\nat = [{x}, {y}]\n{more}\n'
 
 
-def task(folder: Path, *entries: str) -> TabletopWorld:
+def task(folder: Path, *entries: str, approaches: str = '["side"]') -> TabletopWorld:
     """The task of a scene with the given objects and goals, taken from the side."""
     text = (
-        'robot_start = [-0.5, 0.0, 0.0]\napproaches = ["side"]\n'
+        f"robot_start = [-0.5, 0.0, 0.0]\napproaches = {approaches}\n"
         + TABLES
         + "\n"
         + "\n".join(entries)

@@ -13,6 +13,7 @@ from domains.tabletop.state import Placement
 from domains.tabletop.world import TabletopWorld
 from runtime.robot.load import load_robot
 from tests.tabletop.scene.texts import write_scene
+from tests.tabletop.tasks import ON_RIGHT, task
 
 SOME = 4
 """Headings that are looked at: the others are out of reach, which makes room tight."""
@@ -197,6 +198,39 @@ def test_what_is_thought_to_be_there_counts_as_what_is_there(tmp_path) -> None:
                 seen.add((bool(extra.bars[:, other].any()), raised))
     assert seen == {(False, False), (True, False), (True, True)}
     assert dearer
+
+
+BOX = '[[object]]\nname = "{}"\nsize = {}\nat = [{:.3f}, {:.3f}]\n'
+
+
+@pytest.mark.parametrize("length", [0.3, 0.5, 0.7])
+def test_what_is_far_off_disturbs_by_what_it_bars(tmp_path, rng, length) -> None:
+    """A plank bars a box beside its one end; what stands at the plank's middle, where it is taken,
+    is in the way of the plank, and so of the box, however long the plank is."""
+    end = 0.6 + length / 2 - 0.06
+    entries = [
+        BOX.format("plank", [0.05, length, 0.05], 0.8, 0.6),
+        BOX.format("box", [0.05, 0.1, 0.05], 0.855, end),
+        BOX.format("stick", [0.04, 0.04, 0.2], 0.55, 0.3),
+        *(ON_RIGHT.format(name) for name in ("plank", "box", "stick")),
+    ]
+    world = task(tmp_path, *entries, approaches='["top"]')
+    plank, box, _ = world.initial.placements
+    without = Arrangement.afresh(world, (plank, box, None))
+    goal = world.goal_sites(1, without)
+    assert goal is not None
+    before, seen = without.obstructions(1, goal), set()
+    assert before == 1
+    spots = [(0.8 + side * rng.uniform(0.05, 0.08), 0.6) for side in (-1, 1)]
+    spots += rng.uniform([0.65, 0.25], [0.95, 0.95], (20, 2)).tolist()
+    for x, y in spots:
+        placement = Placement.of(x, y, 0.0, 0)
+        there = Arrangement.afresh(world, (plank, box, placement))
+        if there.free_headings(2, world.families[0]):
+            raised = there.obstructions(1, goal) > before
+            assert without.disturbed_by(2, placement, frozenset([1])) == raised
+            seen.add((abs(y - end) > 0.28, raised))
+    assert (True, length == 0.7) in seen
 
 
 def test_a_place_in_a_grid_is_not_harmless_and_one_apart_is(tmp_path) -> None:

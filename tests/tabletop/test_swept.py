@@ -275,3 +275,15 @@ def test_a_robot_that_cannot_drive_reaches_an_annulus(rng) -> None:
                 expected.add(k)
         assert headings_of(int(bits)) == expected
     assert len(set(found.tolist())) > 5
+
+
+def test_a_heading_between_two_is_next_to_both(rng) -> None:
+    """A quarter of a step from one of them it is that one's alone."""
+    steps = rng.uniform(-2 * swept.HEADINGS, 2 * swept.HEADINGS, 500)
+    for place in (*steps, *range(-5, 5)):
+        turns = [math.remainder(place - k, swept.HEADINGS) for k in range(swept.HEADINGS)]
+        expected = {k for k, off in enumerate(turns) if abs(off) < 1 - swept.BETWEEN}
+        assert headings_of(swept.near_headings(place * swept.STEP)) == expected
+        nearest = min(range(swept.HEADINGS), key=lambda k: abs(turns[k]))
+        assert swept.heading_bit(place * swept.STEP) == nearest
+        assert nearest in expected

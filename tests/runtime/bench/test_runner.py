@@ -38,6 +38,20 @@ def test_a_line_that_was_cut_off_is_no_result(tmp_path) -> None:
     assert [key(result) for result in store.read_results(path)] == [job(0)]
 
 
+def test_a_store_cut_off_anywhere_goes_on_with_what_is_whole(tmp_path) -> None:
+    """A line that lacks nothing but its end is whole, and what is added begins a line."""
+    path, whole = tmp_path / "results.jsonl", (line(job(0)) + line(job(1))).encode()
+    ends = [i for i, byte in enumerate(whole) if byte == ord("\n")]
+    near_ends = {end + by for end in (0, *ends) for by in range(-2, 3)}
+    for length in sorted({*range(0, len(whole), 41), *near_ends} & {*range(len(whole) + 1)}):
+        path.write_bytes(whole[:length])
+        kept = [job(number) for number, end in enumerate(ends) if end <= length]
+        with store.opened(path) as results:
+            assert list(results.results) == kept
+            results.append(json.loads(line(job(2))))
+        assert [key(result) for result in store.read_results(path)] == [*kept, job(2)]
+
+
 def test_a_damaged_line_in_the_middle_is_named(tmp_path) -> None:
     path = tmp_path / "results.jsonl"
     path.write_text(line(job(0))[:-20] + "\n" + line(job(1)))

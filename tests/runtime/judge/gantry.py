@@ -96,6 +96,22 @@ def gantry() -> RobotModel:
         return load_robot(str(path))
 
 
+@lru_cache(maxsize=1)
+def tilting_gantry() -> RobotModel:
+    """The same with a fourth joint: the hand turns about the line along which its fingers close."""
+    fixed = '<joint name="wrist" type="fixed"><parent link="mast"/><child link="hand"/>'
+    turning = fixed.replace("fixed", "revolute") + (
+        '<axis xyz="0 1 0"/><limit lower="-1" upper="1" velocity="1" effort="1"/>'
+    )
+    text = TOML.replace('"z"]', '"z", "wrist"]').replace("1.0, 1.0]", "1.0, 1.0, 1.0]")
+    text = text.replace("home = [0.0, 0.0, 1.0]", "home = [0.0, 0.0, 1.0, 0.0]")
+    with TemporaryDirectory() as folder:
+        (Path(folder) / "gantry.urdf").write_text(URDF.replace(fixed, turning), encoding="utf-8")
+        path = Path(folder) / "gantry.toml"
+        path.write_text(text, encoding="utf-8")
+        return load_robot(str(path))
+
+
 def block(size: tuple[float, float, float], mass: float = 0.1) -> Body:
     """A box whose frame is in the middle of its bottom."""
     half = size[2] / 2

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from runtime.judge.grip import FRICTION, GRAVITY
-from runtime.judge.load import STRETCH, Load, accelerations, even_times
+from runtime.judge.load import DENT, STRETCH, Load, accelerations, even_times, loads_of
+from runtime.world.poses import upright
+from tests.runtime.judge.gantry import AIR, CUBE, TOP, table_world, thing
 
 SQUARE = np.array([[-0.025, -0.025], [0.025, -0.025], [0.025, 0.025], [-0.025, 0.025]])
 
@@ -39,6 +42,35 @@ def test_a_tall_block_tips_before_it_slides(share) -> None:
     # Over a corner it takes more.
     corner = share * limit / math.sqrt(2)
     assert pushed(block(height), corner, corner) is None or share > 1.05
+
+
+@pytest.mark.parametrize("count", [1, 2, 4])
+@pytest.mark.parametrize("share", [0.95, 1.05])
+def test_a_tower_tips_as_one_body_would(count, share, rng) -> None:
+    """About the foot of the lowest block, with the mass of all: the others keep on it."""
+    for _ in range(10):
+        sizes, z = rng.uniform(0.12, 0.3, count), TOP + AIR + 0.02
+        slab = thing("slab", (0.2, 0.2, 0.02), 0.0, 0.0, TOP + AIR)
+        blocks, foot = [], z + AIR
+        for number, size in enumerate(sizes):
+            made = thing(f"b{number}", (CUBE, CUBE, size), 0.0, 0.0, z + AIR)
+            blocks.append(replace(made, body=replace(made.body, mass=rng.uniform(0.1, 1.0))))
+            z += AIR + size
+        world = table_world(slab, *blocks)
+        poses = {
+            i: np.vstack([upright(0.0, 0.0, m.pose[2, 3], 0.0), [0.0, 0.0, 0.0, 1.0]])
+            for i, m in enumerate(world.movables)
+        }
+        loads = loads_of(world, poses, 0, list(poses))
+        assert [load.name for load in loads] == [block.name for block in blocks]
+        masses = np.array([block.body.mass for block in blocks])
+        heights = np.array([b.pose[2, 3] + b.body.centre[2] for b in blocks]) - foot
+        limit = GRAVITY * (CUBE / 2 + DENT) / (masses @ heights / masses.sum())
+        assert limit < FRICTION * GRAVITY
+        push = np.array([[0.0, share * limit, 0.0]])
+        faults = [load.fault(poses[0][None], push) for load in loads]
+        assert faults[0] == ("b0 tips over on what it is carried on" if share > 1 else None)
+        assert count == 1 or share > 1 or faults[1:] == [None] * (count - 1)
 
 
 def test_a_tray_that_leans_is_as_good_as_one_that_is_pushed() -> None:

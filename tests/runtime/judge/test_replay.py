@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from runtime.judge.certify import certify
-from runtime.motion.motion import BaseMove
+from runtime.motion.motion import ArmMove, BaseMove, Together
 from runtime.plan.model import TimedPiece
 from runtime.world.body import Body, Part
 from runtime.world.goals import IsHeld, RestsOn
@@ -28,6 +29,7 @@ from tests.runtime.judge.gantry import (
     gantry,
     table_world,
     thing,
+    tilting_gantry,
     top_of,
 )
 
@@ -159,6 +161,54 @@ def test_what_is_held_and_what_stands_on_it_must_not_touch_the_robot() -> None:
     assert "fork hits bridge" in script.to(0, 0, high).fault()
     script = Script(tray_world(tall=0.6)).over(0, 0, TOP + AIR + 0.012).take("tray", 0.06)
     assert "left hits bridge" in script.to(0, 0, high).fault()
+
+
+@pytest.mark.parametrize("tall", [0.2, 0.6])
+def test_a_tall_box_on_a_tray_tips_where_the_gantry_is_as_quick_as_it_can(tall) -> None:
+    """At 1 m/s2 a box of 4 x 4 cm tips that is taller than 40 cm."""
+    found = carry(Script(tray_world(tall=tall)), 0.3).fault()
+    assert found == ("left tips over on what it is carried on" if tall > 0.4 else "")
+
+
+@pytest.mark.parametrize("share", [0.8, 1.25])
+def test_a_tall_box_tips_as_well_where_base_and_arm_may_move_at_once(share) -> None:
+    """By a polynomial whose largest acceleration is 5.77 distance / time^2, within all limits."""
+    tall, way = 0.6, 0.4
+    push = share * 9.81 * CUBE / tall
+    seconds = math.ceil(math.sqrt(5.774 * way / push) / 0.05) * 0.05
+    script = Script(tray_world(tall=tall)).over(0, 0, TOP + AIR + 0.012).take("tray", 0.06)
+    script.to(0, 0, script.at[2] + 0.05)
+    times = np.arange(round(seconds / 0.05) + 1) * 0.05
+    s = times / seconds
+    path = np.tile(np.array(script.at), (len(s), 1))
+    path[:, 0] += way * (10 * s**3 - 15 * s**4 + 6 * s**5)
+    lifted = script.plan()
+    swing = TimedPiece(Together(np.zeros((len(s), 3)), path, np.full(len(s), 0.06)), times)
+    (action,) = lifted.actions
+    plan = replace(lifted, actions=(replace(action, pieces=(*action.pieces, swing)),))
+    found = certify(plan, script.world, gantry()).findings[0].message
+    assert found == (
+        "left tips over on what it is carried on" if share > 1 else "tray is still held at the end"
+    )
+
+
+@pytest.mark.parametrize(("lean", "loaded"), [(0.09, True), (0.11, True), (0.11, False)])
+def test_what_bears_something_is_carried_level(lean, loaded) -> None:
+    """What leans less than friction holds is spilt all the same: the limit is a tenth."""
+    world = tray_world()
+    if not loaded:
+        world = replace(world, movables=world.movables[:1], supports=world.supports[:1])
+    script = Script(world).over(0, 0, TOP + AIR + 0.012).take("tray", 0.06).to(0, 0, 0.8)
+    moves = [
+        replace(piece, path=np.column_stack([piece.path, np.zeros(len(piece.path))]))
+        if isinstance(piece, ArmMove)
+        else piece
+        for piece in script.pieces
+    ]
+    turn = ArmMove(np.array([(*script.at, 0.0), (*script.at, lean)]), "free")
+    script.robot, script.pieces = tilting_gantry(), [*moves, turn]
+    spilt = "tray leans: what stands on it slides off"
+    assert script.fault() == (spilt if loaded and lean > 0.1 else "tray is still held at the end")
 
 
 def test_what_stands_on_two_things_bars_both() -> None:

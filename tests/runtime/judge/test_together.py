@@ -177,6 +177,17 @@ def test_a_limit_is_passed_in_the_action_where_it_is(judge, plan_data) -> None:
     assert "limit" in certificate.findings[0].message
 
 
+def test_the_last_motion_is_tested_as_well(judge, plan_data) -> None:
+    """Nothing comes after it: the plan ends where it comes to rest."""
+    *_, (number, _, piece) = pieces(plan_data, "together")
+    assert number == len(plan_data["actions"]) - 1
+    assert plan_data["actions"][number]["pieces"][-1] is piece
+    piece["times"] = [round(0.5 * t, 6) for t in piece["times"]]
+    certificate = judge(plan_data)
+    assert [finding.action for finding in certificate.findings] == [number]
+    assert "limit" in certificate.findings[0].message
+
+
 def test_pieces_in_a_row_are_one_motion(judge, plan_data) -> None:
     """The end of one cut off: the next one would begin at once, and elsewhere."""
     _, piece = longest(plan_data)

@@ -52,8 +52,8 @@ class Refusing(Twins):
         return Rejection("step")
 
 
-def test_an_attempt_ends_where_x_refuses_too_much_and_the_next_one_is_drawn_anew() -> None:
-    drawn: list[Refusing] = []
+def drawing(drawn: list[Refusing], hopeful: bool) -> tuple[SimpleNamespace, SimpleNamespace]:
+    """A guide to whom every other state is a subgoal, and a problem that is drawn anew."""
 
     def subproblem(state: str, attempt: int, rng: object) -> Refusing:
         drawn.append(Refusing())
@@ -65,10 +65,15 @@ def test_an_attempt_ends_where_x_refuses_too_much_and_the_next_one_is_drawn_anew
         fired=lambda before, after, state: "rule" if after == (1,) else None,
         usable=lambda values: [0],
         model=SimpleNamespace(rules=("rule",)),
-        hopeful=True,
+        hopeful=hopeful,
     )
+    return guide, SimpleNamespace(subproblem=subproblem)
+
+
+def test_an_attempt_ends_where_x_refuses_too_much_and_the_next_one_is_drawn_anew() -> None:
+    drawn: list[Refusing] = []
+    guide, problem = drawing(drawn, True)
     limits = Limits(attempts=3, k_max=1, refusals=7, rejections=1000)
-    problem = SimpleNamespace(subproblem=subproblem)
     rejections: list[Rejection] = []
     rng = np.random.default_rng(0)
     found = find_subgoal(eager, guide, problem, "start", limits, rng, Effort(), rejections)
@@ -78,3 +83,15 @@ def test_an_attempt_ends_where_x_refuses_too_much_and_the_next_one_is_drawn_anew
     drawn.clear()
     assert find_subgoal(eager, guide, problem, "start", limits, rng, Effort(), []) is None
     assert [len(one.executed) for one in drawn] == [7, 3]
+
+
+def test_what_attempts_generate_counts_together() -> None:
+    """Each attempt could generate 100 nodes; fewer are borne where none was a subgoal."""
+    for hopeful, most in ((True, 250), (False, 130)):
+        drawn: list[Refusing] = []
+        guide, problem = drawing(drawn, hopeful)
+        limits = Limits(attempts=5, k_max=1, refusals=7, generated=250, blind=130)
+        effort, rng = Effort(), np.random.default_rng(0)
+        assert find_subgoal(eager, guide, problem, "start", limits, rng, effort, []) is None
+        assert effort.generated == most + 1
+        assert len(drawn) == most // 100 + 1
