@@ -320,9 +320,11 @@ rule put { H } -> { !H, easy? }
 
 @pytest.mark.parametrize(("take", "free", "cure"), [("v--", "easy?", "v?"), ("v?", "m?", "easy?")])
 def test_a_change_that_was_tried_and_leads_to_the_goal_comes_first(
-    tmp_path, take, free, cure
+    tmp_path, monkeypatch, take, free, cure
 ) -> None:
     """An effect that does not happen, and one that is forgotten, where things are barred, too."""
+    monkeypatch.setattr("runtime.solve.CURES", 60.0)
+    monkeypatch.setattr("runtime.search.retrospect.PATIENCE", 60.0)
     path = tmp_path / "sort.sketch"
     path.write_text(SORT.replace("TAKE", take).replace("FREE", free))
     found = json.loads(CliRunner().invoke(run, [str(path), "sorting/1t-20", "--json"]).stdout)

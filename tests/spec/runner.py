@@ -33,6 +33,7 @@ import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
+from unittest.mock import patch
 
 from sketchlang.compile import compile_sketch
 from sketchlang.domain import Domain, LoadOptions
@@ -225,7 +226,9 @@ def why(sketch: str, scene: str) -> str:
 
     task = open_task(load_sketch(sketch).checked, scene)
     warnings = [f"warning: {warning['text']}" for warning in task.warnings()]
-    outcome = task.solve(Limits()).outcome
+    # What is said must not depend on how busy the machine is.
+    with patch("runtime.solve.CURES", 60.0), patch("runtime.search.retrospect.PATIENCE", 60.0):
+        outcome = task.solve(Limits()).outcome
     reason = "solved" if outcome.solved else f"not solved: {outcome.reason}"
     findings = [f"  {finding['text']}" for finding in outcome.why]
     more = [text for text in findings if text.strip() not in reason]
