@@ -269,3 +269,22 @@ def test_a_plane_that_is_clear_at_both_poses_is_a_gap_between_the_boxes(rng) -> 
             gaps = [np.linalg.norm(p - q) for p in own for q in hull]
             assert found <= min(gaps) + 1e-9
     assert said > 20
+
+
+@BODIES
+def test_something_tiny_that_is_passed_anywhere_on_the_way_is_found(robot, held, rng) -> None:
+    body = robot.body(0.05, held)
+    alone = ArmContext(robot, body, np.empty((0, 8)))
+    moving = np.flatnonzero(body.frame > 0)
+    thin = moving[np.argsort(body.half[moving].min(axis=1))[:3]]  # soon past it
+    met = 0
+    for _ in range(150):
+        path = np.array([random_q(robot, rng), random_q(robot, rng)])
+        if not alone.path_is_free(path):
+            continue
+        q = path[0] + rng.uniform() * (path[1] - path[0])
+        placed = reference.placed_boxes(robot.chain, body, q)[rng.choice(thin)]
+        speck = np.array([reference.upright_row(placed[:, 3], np.full(3, 0.001), 0.0)])
+        met += 1
+        assert not ArmContext(robot, body, speck).path_is_free(path)
+    assert met > 20
