@@ -187,6 +187,8 @@ def _write_policies(sketch: str, domain_file: str | None, paths: dict[str, Path 
         loaded = load_sketch(sketch, domain_file)
     except InputError as error:
         fail(error)
+    # Again, for what the sketch includes was read now.
+    check_outputs((), {f"--{name}": path for name, path in paths.items()})
     checked = loaded.checked
     if not loaded.ok:
         fail(InputError("the sketch has errors: see `sketchlang check`", place=sketch))

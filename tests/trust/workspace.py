@@ -91,3 +91,5 @@ def commands(space: Workspace, plan: Path) -> Iterator[tuple[str, list[str], str
         yield "replay", given, option, read
     for option in ("--steps", "--moveit", "--trajectory", "--glb", "--bag"):
         yield "export", given, option, read
+    for option in ("--dlplan", "--runir"):
+        yield "export", [str(space.sketch), *domain], option, with_domain
