@@ -5,7 +5,8 @@ A block of a page is code by four spaces or by a fence. What is done with it:
 - a fence with a language and a file name (```` ```toml desk.toml ````) is that file: the first of
   a name is there from the start, later ones take its place when their turn comes;
 - a block whose first line begins with `$ `, or with a word of `PROGRAMS`, is commands for a shell.
-  Below a command with `$ `, its output is shown; `...` stands for any lines. Decimals, and counts
+  Below a command with `$ `, its output is shown; `...` stands for any lines, and at the
+  end of one for the rest of it. Decimals, and counts
   of what any change of the planner changes, are not compared;
 - a block after a line `<!-- not run: REASON -->` is for readers only, and so is any other.
 
@@ -211,7 +212,8 @@ def _programs(folder: Path) -> Path:
 
 
 def compare(shown: list[str], output: list[str], where: str) -> None:
-    """What a page shows is what comes, but for what is volatile; `...` is any lines.
+    """What a page shows is what comes, but for what is volatile; `...` is any lines, and at the
+    end of a line whatever else it says.
 
     Raises:
         AssertionError: it is something else.
@@ -224,14 +226,16 @@ def compare(shown: list[str], output: list[str], where: str) -> None:
         if line == "...":
             anywhere = True
             continue
-        if anywhere:
-            assert line in rest, _difference(where, line, found)
-            rest = rest[rest.index(line) + 1 :]
-        else:
-            assert rest[:1] == [line], _difference(where, line, found)
-            rest = rest[1:]
+        places = [i for i, there in enumerate(rest) if _is(line, there)]
+        assert places, _difference(where, line, found)
+        assert anywhere or places[0] == 0, _difference(where, line, found)
+        rest = rest[places[0] + 1 :]
         anywhere = False
     assert anywhere or not rest, _difference(where, "nothing more", rest)
+
+
+def _is(shown: str, line: str) -> bool:
+    return line.startswith(shown[:-4]) if shown.endswith(" ...") else line == shown
 
 
 def _plain(line: str) -> str:
