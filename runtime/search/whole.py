@@ -100,6 +100,11 @@ def _once(limits: Limits, guided: bool) -> Iterator[tuple[int, int]]:
     yield 0, limits.k_max
 
 
+def _turns(problem: SearchProblem) -> Turns:
+    """Samples of growing density, where there are samples."""
+    return _denser if isinstance(problem, Whole) else _once
+
+
 def _breadth_first(query: Query) -> tuple[list[Step], str] | None:
     return steps_to(brfs(query))
 
@@ -120,8 +125,7 @@ def brfs_whole(
     progress: Progress | None = None,
 ) -> Outcome:
     """Breadth-first search for the goal."""
-    turns = _denser if isinstance(problem, Whole) else _once
-    return _solve(_breadth_first, turns, sketch, problem, limits, rng, progress)
+    return _solve(_breadth_first, _turns(problem), sketch, problem, limits, rng, progress)
 
 
 def bfws_whole(
@@ -132,9 +136,8 @@ def bfws_whole(
     progress: Progress | None = None,
 ) -> Outcome:
     """BFWS for the goal."""
-    turns = _denser if isinstance(problem, Whole) else _once
     search = partial(_best_first, problem=problem)
-    return _solve(search, turns, sketch, problem, limits, rng, progress)
+    return _solve(search, _turns(problem), sketch, problem, limits, rng, progress)
 
 
 iw_whole: Planner = partial(_solve, eager, schedule)
