@@ -13,8 +13,11 @@ from runtime.judge.skeleton import Skeleton
 from runtime.world.world import FLOOR
 
 BELOW = 1e-4
-"""Metres below the floor that nothing is. The foot of a fixed robot may be as deep in what it is
-bolted to: meshes do not end exactly at the plane that they are mounted on."""
+"""Metres below the floor that nothing is."""
+
+BOLTED = 2e-3
+"""Metres that the foot of a fixed robot may be deep in what it is bolted to: meshes do not end
+exactly at the plane that they are mounted on."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +64,7 @@ def _bolted(skeleton: Skeleton, track: Track) -> Track:
     if skeleton.robot.base.type != "fixed" or skeleton.rigid[track.owner]:
         return track
     poses = track.poses.copy()
-    poses[:, 2, 3] += BELOW
+    poses[:, 2, 3] += BOLTED
     return replace(track, poses=poses)
 
 

@@ -76,8 +76,10 @@ class Whole:
 
     @cached_property
     def _lowest(self) -> Ints:
-        """The frames from which on obstacles matter: the floor is not in the way of the base."""
-        lowest = np.zeros(len(self._around.rows), dtype=np.int64)
+        """The frames from which on obstacles matter: the floor is not in the way of the base, and
+        nothing in that of a fixed one, which stands flush on its desk and never moves."""
+        everywhere = BASE + 1 if self.robot.base.type == "fixed" else 0
+        lowest = np.full(len(self._around.rows), everywhere, dtype=np.int64)
         lowest[-1] = BASE + 1
         return lowest
 

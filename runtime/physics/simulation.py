@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from runtime.physics.materials import Materials
-from runtime.physics.urdf import BASE_JOINTS, body_urdf, robot_urdf
+from runtime.physics.urdf import BASE_JOINTS, body_urdf, own_name, robot_urdf
 from runtime.robot.model import Floats
 from runtime.trace.model import TraceRobot
 from runtime.world.body import Body, Part
@@ -96,6 +96,12 @@ class Physics:
             for contact in self.contacts(None)
             if self._links[contact.link] in foot and contact.thing not in movable
         }
+        # Meshes end a little below the plane that they are mounted on: pushed out of it, the robot
+        # would shake.
+        bodies = {name: body for body, name in self.names.items()}
+        for contact in self._stands_on:
+            link, thing = self._links[contact.link], bodies[contact.thing]
+            b.setCollisionFilterPair(self.body, thing, link, -1, 0)
 
     def close(self) -> None:
         """End the simulation."""
@@ -177,7 +183,8 @@ class Physics:
                 lateralFriction=self.materials.friction,
                 restitution=0.0,
             )
-        self._motors = [joint_index[name] for name in (*BASE_JOINTS, *robot.joints)]
+        base = [own_name(robot, name) for name in BASE_JOINTS]
+        self._motors = [joint_index[name] for name in (*base, *robot.joints)]
         self._fingers = [joint_index[name] for name in robot.fingers]
         self._links = {name: index for index, name in self.link_names.items()}
         self.tool = self._links[robot.tool]

@@ -28,7 +28,8 @@ FRAME_MASS = 0.001
 """kg of a link without a body: physics has no links without mass."""
 
 BASE_JOINTS = ("base_x", "base_y", "base_yaw")
-"""Joints between the world and the robot's root: the base drives in the plane."""
+"""Joints between the world and the robot's root: the base drives in the plane. Links and joints
+of the robot itself may have any name, `world` is a common one: `own_name` keeps them apart."""
 
 
 def robot_urdf(robot: TraceRobot, folder: Path) -> str:
@@ -36,12 +37,14 @@ def robot_urdf(robot: TraceRobot, folder: Path) -> str:
     written into a folder as meshes."""
     root = Xml.Element("robot", name=robot.name)
     kinds = ("prismatic", "prismatic", "continuous")
-    links = ["world", "base_x_link", "base_y_link", robot.urdf.root]
-    for link in links[:3]:
+    above = [own_name(robot, name) for name in ("world", "base_x_link", "base_y_link")]
+    links = [*above, robot.urdf.root]
+    for link in above:
         _link(root, link, (), folder)
     axes = np.array([[1.0, 0, 0], [0, 1, 0], [0, 0, 1]])
     for i, name in enumerate(BASE_JOINTS):
-        joint = Joint(name, kinds[i], links[i], links[i + 1], np.eye(3, 4), axes[i], -1e3, 1e3, 10)
+        called, pose = own_name(robot, name), np.eye(3, 4)
+        joint = Joint(called, kinds[i], links[i], links[i + 1], pose, axes[i], -1e3, 1e3, 10)
         _joint(root, joint)
     for link, shapes in robot.urdf.shapes.items():
         _link(root, link, [Part(shape.solid, shape.pose) for shape in shapes], folder)
@@ -53,6 +56,14 @@ def robot_urdf(robot: TraceRobot, folder: Path) -> str:
             held = joint.origin @ joint_motion(joint, robot.fixed.get(joint.name, 0.0))
             _joint(root, replace(joint, origin=held, type="fixed"))
     return _text(root)
+
+
+def own_name(robot: TraceRobot, name: str) -> str:
+    """A name of what stands above the robot's root, unlike any of its links and joints."""
+    taken = robot.urdf.shapes.keys() | {joint.name for joint in robot.urdf.joints.values()}
+    while name in taken:
+        name = f"{name}_"
+    return name
 
 
 def body_urdf(body: Body, fixed: bool, folder: Path) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -53,7 +54,7 @@ def load_robot(name: str | Path) -> RobotModel:
     file = read_robot_file(robot_path(name))
     for finding in contradictions(file):
         raise finding.error()
-    return build_robot(file)
+    return replace(build_robot(file), source=str(name))
 
 
 def build_robot(file: RobotFile) -> RobotModel:

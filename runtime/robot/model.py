@@ -95,6 +95,7 @@ class RobotModel:
     tested against each other, `ignored` pairs of links that may touch, `fixed` the values of
     movable joints outside the planning group, `urdf_tool` the link whose frame is the tool.
     `derive` is asked once for what follows from all this. `controllers` move the real robot.
+    `source` is what the robot was asked for by: its name, or the path of its file.
     """
 
     name: str
@@ -119,6 +120,7 @@ class RobotModel:
     digest: str
     derive: Callable[[RobotModel, tuple[Family, ...]], Derived]
     controllers: tuple[Controller, ...] = ()
+    source: str = ""
 
     @cached_property
     def derived(self) -> Derived:

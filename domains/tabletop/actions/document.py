@@ -53,7 +53,7 @@ def document(
         sketch=model.name,
         scene=world.scene.name,
         scene_digest=world.scene.digest,
-        robot=world.robot.name,
+        robot=world.robot.source,
         robot_digest=world.robot.digest,
         planner=planner,
         seed=seed,

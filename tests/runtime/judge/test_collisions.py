@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from runtime.judge.collisions import BELOW, Crowd, first_collision
+from runtime.judge.collisions import BOLTED, Crowd, first_collision
 from runtime.judge.contacts import Exact, Track
 from runtime.judge.extents import homogeneous, lowest
 from runtime.judge.skeleton import Skeleton
@@ -32,7 +32,7 @@ def hit(name: str, hand: bool, depth: float) -> bool:
 
 
 @pytest.mark.parametrize(
-    ("depth", "refused"), [(-BELOW, False), (0.5 * BELOW, False), (2 * BELOW, True), (0.01, True)]
+    ("depth", "refused"), [(-BOLTED, False), (0.5 * BOLTED, False), (2 * BOLTED, True), (0.01, True)]
 )
 def test_a_foot_may_touch_what_it_is_bolted_to_but_not_stand_in_it(depth, refused) -> None:
     assert hit("ur5e_desk", False, depth) == refused
@@ -40,5 +40,5 @@ def test_a_foot_may_touch_what_it_is_bolted_to_but_not_stand_in_it(depth, refuse
 
 @pytest.mark.parametrize(("name", "hand"), [("ur5e_desk", True), ("tiago", False)])
 def test_what_moves_or_drives_is_not_bolted_to_anything(name, hand) -> None:
-    assert hit(name, hand, 0.5 * BELOW)
-    assert not hit(name, hand, -0.5 * BELOW)
+    assert hit(name, hand, 0.5 * BOLTED)
+    assert not hit(name, hand, -0.5 * BOLTED)
