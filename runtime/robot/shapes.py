@@ -54,9 +54,13 @@ def numbers(text: str | None, count: int, default: float = 0.0) -> list[float]:
     """
     if text is None:
         return [default] * count
-    values = [float(word) for word in text.split()]
+    try:
+        values = [float(word) for word in text.split()]
+    except ValueError:
+        values = []
     if len(values) != count or not all(map(math.isfinite, values)):
-        raise ValueError(f"expected {count} numbers, found {text!r}")
+        macro = ", which xacro has not expanded" if "$" in text else ""
+        raise ValueError(f"expected {count} numbers, found {text!r}{macro}")
     return values
 
 

@@ -27,6 +27,9 @@ from sketchlang.reading import read_xml
 
 JOINT_TYPES = ("fixed", "revolute", "continuous", "prismatic", "planar", "floating")
 
+XACRO = "{http://www.ros.org/wiki/xacro}"
+"""The name space of macros."""
+
 MOVING = ("revolute", "continuous", "prismatic")
 """Types of joints with one degree of freedom."""
 
@@ -167,6 +170,12 @@ def read_urdf(path: Path) -> Urdf:
             shapes that cannot be understood.
     """
     root = read_xml(path)
+    if any(element.tag.startswith(XACRO) for element in root.iter()):
+        raise InputError(
+            "the file still has macros of xacro in it",
+            place=str(path),
+            hint=f"expand them first: `xacro {path.name} > robot.urdf`",
+        )
     try:
         return _read(root, path)
     except InputError as error:

@@ -95,6 +95,10 @@ LOST = URDF.replace('<child link="left"/>', '<child link="left"/><mimic joint="t
 MESH = URDF.replace('<box size="0.1 0.1 0.4"/>', '<mesh filename="mast.stl"/>')
 CYCLE = URDF.replace('<parent link="foot"/>', '<parent link="grasp"/>')
 ISLAND = URDF.replace("</robot>", '<link name="island"/></robot>')
+MACRO = URDF.replace("<robot ", '<robot xmlns:xacro="http://www.ros.org/wiki/xacro" ', 1).replace(
+    "</robot>", '<xacro:arm prefix="left_"/></robot>'
+)
+EXPRESSION = URDF.replace('size="0.1 0.1 0.4"', 'size="0.1 $(arg width) 0.4"')
 TWICE = URDF.replace(
     "</robot>",
     '<joint name="again" type="fixed"><parent link="foot"/><child link="mast"/></joint></robot>',
@@ -131,6 +135,8 @@ MISTAKES = {
     "urdf with a cone": (TOML, CONE, "mast", "cone"),
     "cylinder without a length": (TOML, FLAT, "mast", "length"),
     "urdf with a mesh that is not there": (TOML, MESH, "mast", "mast.stl"),
+    "urdf with macros": (TOML, MACRO, "crane.urdf", "macros of xacro"),
+    "urdf with an expression": (TOML, EXPRESSION, "mast", "xacro has not expanded"),
     "urdf with entities": (TOML, DOCTYPE, "crane.urdf", "document type"),
     "joint that mimics itself": (TOML, CIRCLE, "left_finger", "itself"),
     "joint that mimics nothing": (TOML, LOST, "left_finger", "thumb"),
