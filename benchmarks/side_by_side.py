@@ -32,6 +32,8 @@ SKETCHES = (
 OURS = """
 import json, sys, time
 import highspy, numpy, scipy.sparse.csgraph
+from sketchlang.analysis import listed_piece, listing, numbers, potential, short_cycles, sieve
+from sketchlang.analysis import weights
 from sketchlang.analysis.limits import Budget
 from sketchlang.analysis.termination import decide_termination
 from sketchlang.loader import load_text

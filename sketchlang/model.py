@@ -36,6 +36,9 @@ class Effect(Enum):
     NOT_DEC = "!n--"  # nat, does not fall
     ANY = "?"  # either kind, anything
 
+    # That of Enum is a function in Python; there is one object of each.
+    __hash__ = object.__hash__
+
     def allows(self, before: int, after: int) -> bool:
         """Whether a change of value satisfies this effect (Booleans count as 0 and 1)."""
         match self:

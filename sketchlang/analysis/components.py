@@ -1,33 +1,16 @@
-"""Strongly connected components of a piece of the policy graph.
-
-The piece is a set of cells - valuations of some tracked features, the rest ignored - and
-some rules. A rule with `?` on k features would have 2^k edges out of every cell; here all
-cells from which a rule leads to the same cells share one intermediate node, so that there
-are at most two edges for each cell and rule.
-"""
+"""Strongly connected components of a piece of the policy graph."""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
-from sketchlang.analysis.bits import RuleBits, subsets
+from sketchlang.analysis.bits import RuleBits
 from sketchlang.analysis.limits import Budget
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
+from sketchlang.analysis.piece import PieceGraph
 
 CELL_MB = 0.0004
 """What a cell takes at least, with its edges, while components are found (measured)."""
-
-
-MANY = 2000
-"""Cells from which on NumPy looks through them."""
-
-MOST_BITS = 62
-"""Bits of a cell that NumPy can hold."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,73 +24,6 @@ class Component:
     cells: tuple[int, ...]
     rules: tuple[int, ...]
     level: int
-
-
-class PieceGraph:
-    """Cells 0..n-1 and, behind them, intermediate nodes; `arcs` is what rules do to cells."""
-
-    def __init__(
-        self, cells: Collection[int], tracked: int, rules: Sequence[RuleBits], budget: Budget
-    ) -> None:
-        self.cells = sorted(cells)
-        self.number = {cell: i for i, cell in enumerate(self.cells)}
-        self.targets: list[list[int]] = [[] for _ in self.cells]
-        self.arcs: list[tuple[int, int, int]] = []  # cell, rule, cell or intermediate node
-        self._fans: dict[tuple[int, int], int] = {}
-        self._out: list[list[tuple[int, int]]] | None = None
-        self._packed: NDArray[np.int64] | None = None
-        for rule in rules:
-            budget.check()
-            self._add(rule, tracked)
-        budget.spend(len(self.cells) + len(self.arcs))
-
-    def _add(self, rule: RuleBits, tracked: int) -> None:
-        needs = rule.needs & tracked
-        wants = rule.wants & tracked
-        chosen = self._where(needs, wants)
-        number, targets, arcs, index = self.number, self.targets, self.arcs, rule.index
-        for i, cell in chosen:
-            base, free = rule.fan(cell)
-            base &= tracked
-            free &= tracked
-            node = self._intermediate(base, free) if free else number.get(base, -1)
-            if node >= 0:
-                targets[i].append(node)
-                arcs.append((i, index, node))
-
-    def _where(self, needs: int, wants: int) -> list[tuple[int, int]]:
-        """The cells (number and bits) in which some bits are as they are wanted."""
-        if len(self.cells) < MANY or max(needs, self.cells[-1]).bit_length() > MOST_BITS:
-            return [(i, cell) for i, cell in enumerate(self.cells) if cell & needs == wants]
-        import numpy as np
-
-        if self._packed is None:
-            self._packed = np.array(self.cells, np.int64)
-        found = np.flatnonzero(self._packed & needs == wants)
-        return [(i, self.cells[i]) for i in found.tolist()]
-
-    def out(self, number: int) -> Sequence[tuple[int, int]]:
-        """What the rules make of the cell of this number: (rule, cell or intermediate node)."""
-        if self._out is None:
-            self._out = [[] for _ in self.cells]
-            for cell, rule, node in self.arcs:
-                self._out[cell].append((rule, node))
-        return self._out[number]
-
-    def _intermediate(self, base: int, free: int) -> int:
-        """The node from which all of `base | subset of free` are reached, -1 if none is here."""
-        node = self._fans.get((base, free))
-        if node is None:
-            number = self.number
-            if 1 << free.bit_count() <= len(self.cells):
-                reached = [number[base | s] for s in subsets(free) if base | s in number]
-            else:
-                reached = [i for cell, i in number.items() if cell & ~free == base]
-            node = len(self.targets) if reached else -1
-            if reached:
-                self.targets.append(reached)
-            self._fans[base, free] = node
-        return node
 
 
 def components(

@@ -53,9 +53,14 @@ class Budget:
     seconds: float | None = None
     megabytes: float | None = None
     started: float = field(default_factory=time.perf_counter)
-    base_mb: float = field(default_factory=peak_memory_mb)
+    base_mb: float = 0.0
     steps: int | None = None
     _look_at: float = 0.0  # when to look at the memory again
+
+    def __post_init__(self) -> None:
+        # Asking the system takes as long as a small proof.
+        if self.megabytes is not None and not self.base_mb:
+            self.base_mb = peak_memory_mb()
 
     def check(self) -> None:
         """Raises `LimitReachedError` when time or memory is used up."""

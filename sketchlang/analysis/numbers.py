@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from sketchlang.analysis.walk import Move
+from sketchlang.analysis.piece import MANY, MOST_BITS, Move
 from sketchlang.model import Effect, Kind, SketchModel
 
 _LEAST = {Effect.DEC: -1, Effect.INC: 1}
@@ -33,8 +33,8 @@ def concrete_run(model: SketchModel, walk: Sequence[Move]) -> Run:
     """Values for one time around a closed walk over full valuations."""
     columns: list[list[int]] = []
     growing: list[int] = []
-    for feature, declared in enumerate(model.features):
-        bits = [move.before >> feature & 1 for move in walk]
+    all_bits = _bits([move.before for move in walk], len(model.features))
+    for (feature, declared), bits in zip(enumerate(model.features), all_bits, strict=True):
         if declared.kind is Kind.BOOL:
             columns.append([*bits, bits[0]])
             continue
@@ -44,6 +44,16 @@ def concrete_run(model: SketchModel, walk: Sequence[Move]) -> Run:
             growing.append(feature)
         columns.append(column)
     return Run(tuple(zip(*columns, strict=True)) or ((),) * (len(walk) + 1), tuple(growing))
+
+
+def _bits(cells: Sequence[int], features: int) -> list[list[int]]:
+    """For each feature its bit in every cell."""
+    if len(cells) < MANY or features > MOST_BITS:
+        return [[cell >> feature & 1 for cell in cells] for feature in range(features)]
+    import numpy as np
+
+    masks = np.array(cells, np.int64)
+    return [(masks >> feature & 1).tolist() for feature in range(features)]
 
 
 def _column(bits: list[int], effects: list[Effect | None]) -> list[int]:

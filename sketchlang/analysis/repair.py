@@ -37,8 +37,8 @@ from sketchlang.analysis.coverage import usable_rules
 from sketchlang.analysis.cubes import TooManyCubesError
 from sketchlang.analysis.elimination import drop
 from sketchlang.analysis.limits import Budget, LimitReachedError
+from sketchlang.analysis.piece import Move
 from sketchlang.analysis.termination import NonTerminating, Terminating, decide_termination
-from sketchlang.analysis.walk import Move
 from sketchlang.model import Effect, Kind, SketchModel
 
 MOST_PROPOSALS = 5

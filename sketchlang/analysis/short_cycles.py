@@ -12,8 +12,9 @@ from collections.abc import Iterator, Sequence
 from sketchlang.analysis.bits import RuleBits
 from sketchlang.analysis.elimination import drop
 from sketchlang.analysis.limits import Budget
+from sketchlang.analysis.piece import Move
 from sketchlang.analysis.region import Outside
-from sketchlang.analysis.walk import Move, close
+from sketchlang.analysis.walk import close
 from sketchlang.model import SketchModel
 
 MOST_TRIED = 300_000

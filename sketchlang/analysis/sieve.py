@@ -26,9 +26,10 @@ from sketchlang.analysis.bits import RuleBits, bounded_mask, members
 from sketchlang.analysis.components import Component, components
 from sketchlang.analysis.elimination import drop, eliminate
 from sketchlang.analysis.limits import Budget
+from sketchlang.analysis.piece import Move, Piece
 from sketchlang.analysis.proof import Block, Drop, Split, Step
 from sketchlang.analysis.region import Outside, sorting_tree
-from sketchlang.analysis.walk import Move, Piece, close, propose
+from sketchlang.analysis.walk import close, propose
 from sketchlang.model import SketchModel
 
 TRIAL_CELLS = 64
@@ -133,9 +134,9 @@ class Sieve:
         cycle, reasons = close(walk, part.tracked, self.model, self.rules, self.outside)
         if not reasons:
             return cycle
-        candidates = [self._refined(part, 1 << feature) for feature in members(reasons & -reasons)]
-        if len(part.cells) <= TRIAL_CELLS:
-            candidates = [self._refined(part, 1 << feature) for feature in members(reasons)]
+        if len(part.cells) > TRIAL_CELLS:
+            reasons &= -reasons
+        candidates = [self._refined(part, 1 << feature) for feature in members(reasons)]
         best = min(candidates, key=_unfinished)
         part.tracked, part.cells, part.outside = best.tracked, best.cells, best.outside
         part.rules, part.split = best.rules, best.split

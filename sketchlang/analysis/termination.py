@@ -20,11 +20,11 @@ from sketchlang.model import SketchModel
 # Most sketches that people prove need no Sieve, and then should not wait for it.
 if TYPE_CHECKING:
     from sketchlang.analysis.numbers import Run
+    from sketchlang.analysis.piece import Move
     from sketchlang.analysis.sieve import SieveResult
-    from sketchlang.analysis.walk import Move
 
-SMALL_WORK = 20_000
-"""Steps of Sieve before anything is imported that takes longer than they do: some 30 ms."""
+SMALL_WORK = 6_000
+"""Steps of Sieve before anything is imported that takes longer than they do: some 5 ms."""
 
 EDGES_A_STEP = 600
 """Where all valuations can be listed, Sieve is given a step more for so many edges: a tenth of the
@@ -113,10 +113,11 @@ class _Search:
 
     def _listed(self, steps: tuple[Step, ...], left: list[RuleBits]) -> Verdict:
         """By more Sieve; or, when that would take longer, by all valuations."""
-        from sketchlang.analysis import listing
+        from sketchlang.analysis.listed_graph import MOST_EDGES, TooManyEdgesError
+        from sketchlang.analysis.listing import Listing, applications
 
-        edges = listing.applications(self.model, left)
-        if edges is None or edges > listing.MOST_EDGES:
+        edges = applications(self.model, left)
+        if edges is None or edges > MOST_EDGES:
             return self._verdict(steps, self._sieve(left, self.budget))
         if edges // EDGES_A_STEP > SMALL_WORK:  # that much was done in vain
             try:
@@ -125,8 +126,8 @@ class _Search:
             except WorkDoneError:
                 pass
         try:
-            found = listing.Listing(self.model, left, self.budget).run()
-        except listing.TooManyEdgesError:
+            found = Listing(self.model, left, self.budget).run()
+        except TooManyEdgesError:
             return self._verdict(steps, self._sieve(left, self.budget))
         if found.step is not None:
             return Terminating((*steps, found.step), "sieve")
@@ -134,7 +135,7 @@ class _Search:
         from sketchlang.analysis.walk import close, propose
 
         assert found.stuck is not None
-        walk = propose(found.stuck, self.bounded, self.budget)
+        walk = propose(found.stuck, self.bounded, self.budget, found.graph)
         cycle, _ = close(walk, found.stuck.tracked, self.model, self.rules, Outside(self.model))
         return self._refuted(steps, tuple(cycle))
 

@@ -11,15 +11,14 @@ proposal: `close` looks for bits of the other features that come back to where t
 
 from __future__ import annotations
 
-from collections import deque
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import product
 
 from sketchlang.analysis.bits import RuleBits, members
-from sketchlang.analysis.components import PieceGraph, components
 from sketchlang.analysis.elimination import drop
 from sketchlang.analysis.limits import Budget
+from sketchlang.analysis.narrowing import Narrowing
+from sketchlang.analysis.piece import Move, Piece, PieceGraph, WalkedGraph
 from sketchlang.analysis.region import Outside
 from sketchlang.model import Kind, SketchModel
 
@@ -30,41 +29,31 @@ MOST_CHOICES = 12
 """Features of goal and invariants for which all combinations of bits are tried."""
 
 
-@dataclass(frozen=True, slots=True)
-class Move:
-    """One edge of the policy graph, or of a piece of it."""
-
-    before: int
-    rule: int
-    after: int
-
-
-@dataclass(frozen=True, slots=True)
-class Piece:
-    """Cells over the features in `tracked`, and rules on them."""
-
-    tracked: int
-    cells: tuple[int, ...]
-    rules: tuple[RuleBits, ...]
-
-
-def propose(piece: Piece, bounded: int, budget: Budget) -> list[Move]:
+def propose(
+    piece: Piece, bounded: int, budget: Budget, graph: WalkedGraph | None = None
+) -> list[Move]:
     """A closed walk through a stuck component that undoes every strict change it makes.
 
-    Preferably one that lowers again what it raises, even where no bound asks for that.
+    Preferably one that lowers again what it raises, even where no bound asks for that. `graph`
+    is that of the piece, if it was already made.
     """
     rises = 0
     for rule in piece.rules:
         rises |= rule.rises
-    if rises & ~bounded:
-        inner = _stuck_inside(piece, bounded | rises, budget)
-        if inner is not None:
-            piece, bounded = inner, bounded | rises
-    piece = _with_fewer_rules(piece, bounded, budget)
-    graph = PieceGraph(piece.cells, piece.tracked, piece.rules, budget)
+    graph = graph or PieceGraph(piece.cells, piece.tracked, piece.rules, budget)
+    small = len(piece.cells) * len(piece.rules) <= SMALL
+    if small or rises & ~bounded:
+        narrowing = Narrowing(graph, piece, budget)
+        if rises & ~bounded and narrowing.to_stuck(bounded | rises):
+            bounded |= rises
+        if small or len(narrowing.piece.cells) * len(narrowing.piece.rules) <= SMALL:
+            narrowing.to_few_rules(bounded)
+        if narrowing.piece is not piece:
+            piece = narrowing.piece
+            graph = PieceGraph(piece.cells, piece.tracked, piece.rules, budget)
     wanted = [piece.rules[0]]
     while True:
-        walk = _covering(graph, wanted, budget)
+        walk = _covering(graph, wanted)
         used = {move.rule for move in walk}
         rules = [rule for rule in piece.rules if rule.index in used]
         unopposed = drop(rules, bounded)
@@ -77,79 +66,18 @@ def propose(piece: Piece, bounded: int, budget: Budget) -> list[Move]:
                 break
 
 
-def _with_fewer_rules(piece: Piece, bounded: int, budget: Budget) -> Piece:
-    """A stuck component inside the given one from which no rule can be left out."""
-    for candidate in piece.rules:
-        if len(piece.cells) * len(piece.rules) > SMALL:
-            break
-        rest = tuple(rule for rule in piece.rules if rule is not candidate)
-        if len(rest) == len(piece.rules):
-            continue
-        smaller = _stuck_inside(Piece(piece.tracked, piece.cells, rest), bounded, budget)
-        piece = smaller or piece
-    return piece
-
-
-def _stuck_inside(piece: Piece, bounded: int, budget: Budget) -> Piece | None:
-    """The first component of a piece that Sieve cannot take apart."""
-    if not piece.rules:
-        return None
-    for component in components(piece.cells, piece.tracked, piece.rules, budget):
-        left = tuple(rule for rule in piece.rules if rule.index in component.rules)
-        inside = Piece(piece.tracked, component.cells, left)
-        if not left:
-            continue
-        step = drop(left, bounded)
-        if step is None:
-            return inside
-        rest = tuple(rule for rule in left if rule.index not in step.rules)
-        found = _stuck_inside(Piece(piece.tracked, component.cells, rest), bounded, budget)
-        if found is not None:
-            return found
-    return None
-
-
-def _covering(graph: PieceGraph, wanted: Sequence[RuleBits], budget: Budget) -> list[Move]:
+def _covering(graph: WalkedGraph, wanted: Sequence[RuleBits]) -> list[Move]:
     """A closed walk with an edge of every wanted rule, short by always taking the nearest."""
     missing = {rule.index for rule in wanted}
-    start = next(cell for cell, rule, _ in graph.arcs if rule == wanted[0].index)
+    start = here = graph.cell_with(wanted[0].index)
     walk: list[Move] = []
-    here = start
-
-    def useful(rule: int, _: int) -> bool:
-        return rule in missing
-
     while missing:
-        walk += _path(graph, here, useful, budget)
-        here = graph.number[walk[-1].after]
-        missing -= {move.rule for move in walk}
+        more, here = graph.path_by(here, missing)
+        walk += more
+        missing -= {move.rule for move in more}
     if here != start:
-        walk += _path(graph, here, lambda _, after: after == start, budget)
+        walk += graph.path_to(here, start)
     return walk
-
-
-def _path(
-    graph: PieceGraph, start: int, last: Callable[[int, int], bool], budget: Budget
-) -> list[Move]:
-    """The shortest path from a cell up to and with an edge (rule, cell after) that is `last`."""
-    reached_by: dict[int, tuple[int, int]] = {}
-    queue = deque([start])
-    while queue:
-        budget.check()
-        cell = queue.popleft()
-        for rule, node in graph.out(cell):
-            for after in [node] if node < len(graph.cells) else graph.targets[node]:
-                if last(rule, after):
-                    moves = [Move(graph.cells[cell], rule, graph.cells[after])]
-                    while cell != start:
-                        earlier, by = reached_by[cell]
-                        moves.append(Move(graph.cells[earlier], by, graph.cells[cell]))
-                        cell = earlier
-                    return moves[::-1]
-                if after not in reached_by and after != start:
-                    reached_by[after] = (cell, rule)
-                    queue.append(after)
-    raise AssertionError("a component is strongly connected")
 
 
 def close(
@@ -179,19 +107,29 @@ def close(
     if reasons:
         return [], reasons
 
-    known = (1 << len(model.features)) - 1
+    if not choices:
+        return list(walk), 0
     picked = {feature: loops[0] for feature, loops in choices.items()}
+    # Cells of a piece are inside as far as its features can tell.
+    if tracked and not outside.features & ~tracked:
+        return _filled(walk, picked), 0
+    known = (1 << len(model.features)) - 1
     delicate = [f for f in members(outside.features & ~tracked) if len(choices[f]) > 1]
     for loops in product(*(choices[f] for f in delicate[:MOST_CHOICES])):
         picked.update(zip(delicate, loops, strict=False))
-        cells = [
-            move.before | sum(bits[i] << feature for feature, bits in picked.items())
-            for i, move in enumerate(walk)
-        ]
-        if not any(outside(known, cell) for cell in cells):
-            ends = cells[1:] + cells[:1]
-            return [Move(c, m.rule, e) for c, m, e in zip(cells, walk, ends, strict=True)], 0
+        cycle = _filled(walk, picked)
+        if not any(outside(known, move.before) for move in cycle):
+            return cycle, 0
     return [], outside.features & ~tracked
+
+
+def _filled(walk: Sequence[Move], picked: Mapping[int, Sequence[int]]) -> list[Move]:
+    """The walk with bits for more features: a list for each, one bit a cell."""
+    cells = [move.before for move in walk]
+    for feature, bits in picked.items():
+        if any(bits):
+            cells = [cell | bit << feature for cell, bit in zip(cells, bits, strict=True)]
+    return list(map(Move, cells, (move.rule for move in walk), cells[1:] + cells[:1]))
 
 
 def _bit_loops(steps: Sequence[tuple[tuple[int, int], ...]], prefer: int) -> Iterator[list[int]]:

@@ -5,17 +5,24 @@ from __future__ import annotations
 import base64
 import random
 import zlib
+from dataclasses import replace
+from itertools import product
 from typing import Any
 
 import numpy as np
 import pytest
 
+import sketchlang.analysis.numbers as numbers_module
+import sketchlang.analysis.walk as walk_module
 from benchmarks.families import FAMILIES
 from sketchlang.analysis.bits import bounded_mask, rule_bits
 from sketchlang.analysis.certificate import certificate_of
 from sketchlang.analysis.limits import Budget
+from sketchlang.analysis.listed_piece import ListedPiece
 from sketchlang.analysis.listing import Listed, Listing
+from sketchlang.analysis.narrowing import Narrowing
 from sketchlang.analysis.numbers import concrete_run
+from sketchlang.analysis.piece import PieceGraph
 from sketchlang.analysis.proof import Ranks
 from sketchlang.analysis.region import Outside
 from sketchlang.analysis.termination import NonTerminating, Terminating, decide_termination
@@ -47,11 +54,12 @@ def check(sketch: SketchModel, terminates: bool) -> dict[str, Any] | None:
         verify(certificate, sketch)
         return certificate
     assert found.stuck is not None
-    walk = propose(found.stuck, bounded_mask(sketch), Budget())
-    tracked = found.stuck.tracked
-    cycle, reasons = close(walk, tracked, sketch, rule_bits(sketch), Outside(sketch))
-    assert not reasons
-    replay(sketch, NonTerminating(tuple(cycle), concrete_run(sketch, cycle), ()))
+    for graph in (None, found.graph):
+        walk = propose(found.stuck, bounded_mask(sketch), Budget(), graph)
+        tracked = found.stuck.tracked
+        cycle, reasons = close(walk, tracked, sketch, rule_bits(sketch), Outside(sketch))
+        assert not reasons
+        replay(sketch, NonTerminating(tuple(cycle), concrete_run(sketch, cycle), ()))
     return None
 
 
@@ -63,6 +71,63 @@ def test_random_sketches() -> None:
         answers.add(terminates)
         check(sketch, terminates)
     assert answers == {True, False}
+
+
+def test_walks_through_large_pieces(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Those that are not made smaller first, and whose numbers are arrays."""
+    monkeypatch.setattr(walk_module, "SMALL", -1)
+    monkeypatch.setattr(numbers_module, "MANY", 0)
+    for seed in range(150):
+        sketch = random_sketch(seed)
+        check(sketch, not surviving_components(sketch))
+
+
+def test_paths_through_a_listed_piece() -> None:
+    """Each step is an edge, and one starts where the one before ends."""
+    paths = longest = 0
+    for seed in range(40):
+        sketch = dense_sketch(seed, 5, 8 + seed % 6)
+        found = listed(sketch)
+        if found is None or found.stuck is None:
+            continue
+        piece, graph = found.stuck, found.graph
+        assert isinstance(graph, ListedPiece)
+        edges = {
+            (sum(b << f for f, b in enumerate(v)), rule, sum(b << f for f, b in enumerate(w)))
+            for v, rule, w in policy_graph(sketch)
+        }
+        for start, end in product(range(len(piece.cells)), repeat=2):
+            moves = graph.path_to(start, end)
+            assert set(moves) <= edges
+            assert [move.after for move in moves[:-1]] == [move.before for move in moves[1:]]
+            assert (moves[0].before, moves[-1].after) == (piece.cells[start], piece.cells[end])
+            paths, longest = paths + 1, max(longest, len(moves))
+    assert paths > 300
+    assert longest > 2
+
+
+def test_few_rules() -> None:
+    """None of the rules that are left in a stuck piece can be left out."""
+    pieces = 0
+    for seed in range(200):
+        sketch = random_sketch(seed)
+        found = listed(sketch)
+        if found is None or found.stuck is None:
+            continue
+        pieces += 1
+        piece, bounded = found.stuck, bounded_mask(sketch)
+        narrowing = Narrowing(
+            PieceGraph(piece.cells, piece.tracked, piece.rules, Budget()), piece, Budget()
+        )
+        narrowing.to_few_rules(bounded)
+        kept = narrowing.piece.rules
+        assert set(narrowing.piece.cells) <= set(piece.cells)
+        for chosen, ends in [(kept, False)] + [
+            ([rule for rule in kept if rule is not left_out], True) for left_out in kept
+        ]:
+            rules = tuple(sketch.rules[rule.index] for rule in chosen)
+            assert (not surviving_components(replace(sketch, rules=rules))) == ends
+    assert pieces > 20
 
 
 @pytest.mark.slow

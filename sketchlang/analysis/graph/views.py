@@ -8,9 +8,9 @@ from sketchlang.analysis.bits import rule_bits, subsets
 from sketchlang.analysis.cubes import Cube, Work, fewest_cubes
 from sketchlang.analysis.graph.drawing import Arrow, Box, Drawing, Look, TooLargeError
 from sketchlang.analysis.graph.removal import Removal
+from sketchlang.analysis.piece import Move
 from sketchlang.analysis.region import Outside
 from sketchlang.analysis.termination import NonTerminating, Terminating, Verdict
-from sketchlang.analysis.walk import Move
 from sketchlang.analysis.words import cube, effect
 from sketchlang.model import SketchModel
 
