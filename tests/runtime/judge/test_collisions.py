@@ -32,7 +32,8 @@ def hit(name: str, hand: bool, depth: float) -> bool:
 
 
 @pytest.mark.parametrize(
-    ("depth", "refused"), [(-BOLTED, False), (0.5 * BOLTED, False), (2 * BOLTED, True), (0.01, True)]
+    ("depth", "refused"),
+    [(-BOLTED, False), (0.5 * BOLTED, False), (2 * BOLTED, True), (5 * BOLTED, True)],
 )
 def test_a_foot_may_touch_what_it_is_bolted_to_but_not_stand_in_it(depth, refused) -> None:
     assert hit("ur5e_desk", False, depth) == refused
