@@ -23,7 +23,13 @@ from domains.tabletop.why import barriers
 from domains.tabletop.why.blocking import Blame, as_data, in_words
 from domains.tabletop.why.crowded import crowded
 from domains.tabletop.why.finding import Finding, finding
-from domains.tabletop.why.relaxed import is_free, way_to_goal, way_to_object
+from domains.tabletop.why.relaxed import (
+    families_to_goal,
+    families_to_object,
+    is_free,
+    way_to_goal,
+    way_to_object,
+)
 from domains.tabletop.why.tested import can_pick, can_place
 from domains.tabletop.world import TabletopWorld
 from runtime.kernels.plane import point_distance
@@ -184,6 +190,9 @@ class _Stuck:
     def _obstructed(self) -> Finding:
         world, state, index = self.world, self.state, self.index
         ways = []
+        split = self._no_grasp_for_both()
+        if split:
+            return finding(self.name, "obstructed", split, certain=False)
         if not self.is_held and not way_to_object(world, state, index):
             ways = barriers.to_object(world, state, index)
             text = f"something stands in front of {self.name}: {barriers.in_words(ways)}"
@@ -193,6 +202,25 @@ class _Stuck:
             text += barriers.in_words(ways)
         data = [way.as_json() for way in ways]
         return finding(self.name, "obstructed", text, certain=False, ways=data)
+
+    def _no_grasp_for_both(self) -> str:
+        """The same where there are ways to the object and ways to its goal, but no grasp that
+        does for both; else nothing."""
+        world, state, index = self.world, self.state, self.index
+        if self.is_held or faces_at(world, index, self.goal) != (0,):
+            return ""
+        taken = families_to_object(world, state, index)
+        put = families_to_goal(world, state, index, self.goal)
+        if not taken or not put:
+            return ""
+        where = self.ground.name
+        if set(taken) & set(put):
+            return f"{self.name} can be taken, and put on {where}, but no grasp does for both"
+        first, second = (listed([barriers.FROM[f] for f in each]) for each in (taken, put))
+        return (
+            f"{self.name} can be taken {first} only, and put on {where} {second} only: "
+            "no grasp does for both"
+        )
 
     def _depth(self) -> str:
         return walls(self.world, self.ground)

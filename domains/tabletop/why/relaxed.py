@@ -120,11 +120,17 @@ def _can_be_moved(problem: TabletopProblem, state: State, index: int) -> bool:
 
 def way_to_object(world: TabletopWorld, state: State, index: int) -> bool:
     """Whether the estimate of the features finds a way to an object that nothing bars."""
+    return bool(families_to_object(world, state, index))
+
+
+def families_to_object(world: TabletopWorld, state: State, index: int) -> list[int]:
+    """The families of such ways."""
     here = arrangement(world, state.placements)
-    return any(
-        int(here.picks[family].reachable[index]) & here.free_headings(index, family)
+    return [
+        family
         for family in world.families
-    )
+        if int(here.picks[family].reachable[index]) & here.free_headings(index, family)
+    ]
 
 
 def way_to_goal(world: TabletopWorld, state: State, index: int, goal: GoalSites) -> bool:
@@ -132,11 +138,16 @@ def way_to_goal(world: TabletopWorld, state: State, index: int, goal: GoalSites)
     taken for granted."""
     if faces_at(world, index, goal) != (0,):
         return True
-    here = arrangement(world, state.placements)
+    return bool(families_to_goal(world, state, index, goal))
+
+
+def families_to_goal(world: TabletopWorld, state: State, index: int, goal: GoalSites) -> list[int]:
+    """The families of such ways, for the object as it stands."""
+    here, found = arrangement(world, state.placements), []
     grasp = state.grasp if state.held == index else None
     for family in world.families:
         ways = here.places_of(index, goal, family, grasp)
         free = ((ways.counts == 0) << np.arange(ways.counts.shape[1])).sum(axis=1)
         if (ways.reachable & free).any():
-            return True
-    return False
+            found.append(family)
+    return found
