@@ -26,7 +26,7 @@ from runtime.kernels.between import (
     gap_to_box,
     line_is_free,
 )
-from runtime.kernels.boxes import pose_vs_pose, pose_vs_upright
+from runtime.kernels.boxes import distance_squared, pose_vs_pose, pose_vs_upright
 
 STRETCH = 0.3
 """Metres that parts of the last frame move, at most, in a stretch with which questions begin."""
@@ -100,16 +100,14 @@ def _open_to_boxes(  # type: ignore[no-untyped-def]
     for f in range(sweep.shape[0]):
         moves[f] = _half_way(sweep, travel, 0, f, low, middle, high)
     for b in range(boxes.shape[0]):
-        size = math.sqrt(boxes[b, 3] ** 2 + boxes[b, 4] ** 2 + boxes[b, 5] ** 2)
+        x, y, z = boxes[b, 0], boxes[b, 1], boxes[b, 2]
+        hx, hy, hz, c, s = boxes[b, 3], boxes[b, 4], boxes[b, 5], boxes[b, 6], boxes[b, 7]
         for a in range(frame.shape[0]):
             if frame[a] < lowest[b]:
                 continue
             moved = moves[frame[a]]
-            dx = poses[a, 0, 3] - boxes[b, 0]
-            dy = poses[a, 1, 3] - boxes[b, 1]
-            dz = poses[a, 2, 3] - boxes[b, 2]
-            reach = radius[a] + size + moved + margin
-            if dx * dx + dy * dy + dz * dz > reach * reach:
+            reach = radius[a] + moved + margin
+            if distance_squared(poses, a, x, y, z, hx, hy, hz, c, s) > reach * reach:
                 continue
             gap = gap_to_box(poses, half, radius, boxes, a, b, margin, moved + margin)
             if gap < CLOSE and (shape[a] >= 0 or shapes[b] >= 0):
@@ -129,6 +127,11 @@ def _open_between_parts(  # type: ignore[no-untyped-def]
     """The same for pairs of parts."""
     frame, half, radius, shape, pairs = body.frame, body.half, body.radius, body.shape, body.pairs
     middle = (low + high) // 2
+    count = sweep.shape[0]
+    moves = np.zeros((count, count))
+    for first in range(count):
+        for last in range(first + 1, count):
+            moves[first, last] = _half_way(sweep, travel, first, last, low, middle, high)
     for pair in range(pairs.shape[0]):
         a, b = pairs[pair, 0], pairs[pair, 1]
         if frame[a] > frame[b]:
@@ -136,7 +139,7 @@ def _open_between_parts(  # type: ignore[no-untyped-def]
         dx = poses[a, 0, 3] - poses[b, 0, 3]
         dy = poses[a, 1, 3] - poses[b, 1, 3]
         dz = poses[a, 2, 3] - poses[b, 2, 3]
-        moved = _half_way(sweep, travel, frame[a], frame[b], low, middle, high)
+        moved = moves[frame[a], frame[b]]
         reach = radius[a] + radius[b] + moved + margin
         if dx * dx + dy * dy + dz * dz > reach * reach:
             continue
@@ -221,10 +224,13 @@ def _touches(body, obstacles, lowest, poses, margin):  # type: ignore[no-untyped
     """Whether parts at their poses (m, 3, 4) come within the margin of something."""
     frame, half, radius, shape, pairs = body.frame, body.half, body.radius, body.shape, body.pairs
     boxes, shapes = obstacles.rows, obstacles.shape
-    for a in range(frame.shape[0]):
-        for b in range(boxes.shape[0]):
+    for b in range(boxes.shape[0]):
+        x, y, z, c, s = boxes[b, 0], boxes[b, 1], boxes[b, 2], boxes[b, 6], boxes[b, 7]
+        hx, hy, hz = boxes[b, 3] + margin, boxes[b, 4] + margin, boxes[b, 5] + margin
+        for a in range(frame.shape[0]):
             if (
                 frame[a] >= lowest[b]
+                and distance_squared(poses, a, x, y, z, hx, hy, hz, c, s) <= radius[a] * radius[a]
                 and pose_vs_upright(poses[a], half[a], radius[a], boxes[b], margin)
                 and (
                     (shape[a] < 0 and shapes[b] < 0)

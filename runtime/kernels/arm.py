@@ -18,7 +18,7 @@ import math
 
 from numba import njit
 
-from runtime.kernels.boxes import pose_vs_pose, pose_vs_upright
+from runtime.kernels.boxes import distance_squared, pose_vs_pose, pose_vs_upright
 from runtime.kernels.convex import TOLERANCE, gjk_distance, pose_of_row, solid_of
 
 
@@ -140,11 +140,15 @@ def parts_collide(body, placed, obstacles, margin, first_frame):  # type: ignore
     """The same for the placed parts of frames from `first_frame` on, against obstacles only."""
     frame, half, radius, shape = body.frame, body.half, body.radius, body.shape
     rows, shapes = obstacles.rows, obstacles.shape
-    for b in range(frame.shape[0]):
-        if frame[b] < first_frame:
-            continue
-        for w in range(rows.shape[0]):
-            if pose_vs_upright(placed[b], half[b], radius[b], rows[w], margin):
+    for w in range(rows.shape[0]):
+        x, y, z, c, s = rows[w, 0], rows[w, 1], rows[w, 2], rows[w, 6], rows[w, 7]
+        hx, hy, hz = rows[w, 3] + margin, rows[w, 4] + margin, rows[w, 5] + margin
+        for b in range(frame.shape[0]):
+            if (
+                frame[b] >= first_frame
+                and distance_squared(placed, b, x, y, z, hx, hy, hz, c, s) <= radius[b] * radius[b]
+                and pose_vs_upright(placed[b], half[b], radius[b], rows[w], margin)
+            ):
                 if shape[b] < 0 and shapes[w] < 0:
                     return True
                 gap = gap_to_obstacle(body, b, placed[b], obstacles, w, margin, margin, TOLERANCE)

@@ -39,6 +39,19 @@ def _between(a, b):  # type: ignore[no-untyped-def]
     return r00, r01, r02, r10, r11, r12, r20, r21, r22, tx, ty, tz
 
 
+@njit(cache=True, inline="always")
+def distance_squared(poses, a, x, y, z, hx, hy, hz, c, s):  # type: ignore[no-untyped-def]
+    """The square of the distance from the middle of a free box, at the a-th of poses (m, 3, 4), to
+    an upright box at x, y, z, with half extents hx, hy, hz, turned by an angle of cosine c and
+    sine s: what most pairs are settled by, without a call for each."""
+    dx = poses[a, 0, 3] - x
+    dy = poses[a, 1, 3] - y
+    ex = max(abs(c * dx + s * dy) - hx, 0.0)
+    ey = max(abs(c * dy - s * dx) - hy, 0.0)
+    ez = max(abs(poses[a, 2, 3] - z) - hz, 0.0)
+    return ex * ex + ey * ey + ez * ez
+
+
 @njit(cache=True)
 def pose_vs_upright(pose, half, radius, box, margin):  # type: ignore[no-untyped-def]
     """Whether a free box touches an upright box grown by `margin` on every side.

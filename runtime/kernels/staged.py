@@ -14,6 +14,7 @@ import math
 import numpy as np
 from numba import njit
 
+from runtime.kernels.advance import dense, first_hit
 from runtime.kernels.arm import collides
 
 HARDLY = 0.12
@@ -22,13 +23,12 @@ anything."""
 
 
 @njit(cache=True)
-def next_staged(  # type: ignore[no-untyped-def]
-    chain, body, obstacles, margin, sweep, velocity, start, goal, first_place
+def quickest_corner(  # type: ignore[no-untyped-def]
+    chain, body, obstacles, lowest, margin, sweep, velocity, start, goal
 ):
-    """Of the ways from `start` to `goal` (n,) in two stages, in the order of their times, the
-    first from a place on that a few postures do not show to be barred: its place, -1 where there
-    is none, and the posture (n,) between the stages. The time of a stage is that of its slowest
-    joint."""
+    """The posture (n,) between the stages of the quickest free way from `start` to `goal` (n,) in
+    two stages, and whether there is one. The time of a stage is that of its slowest joint. What
+    a few postures do not show to be barred is tested as a whole, as by `first_hit`."""
     n = start.shape[0]
     frames = np.empty((n + 1, 3, 4))
     placed = np.empty((body.frame.shape[0], 3, 4))
@@ -43,9 +43,7 @@ def next_staged(  # type: ignore[no-untyped-def]
         if abs(goal[k] - start[k]) * sweep[n, k] <= HARDLY:
             least = max(least, seconds[k] / 2)
     durations = _durations(seconds[moving], least)
-    order = np.argsort(durations, kind="mergesort")
-    for place in range(first_place, order.shape[0]):
-        first = order[place]
+    for first in np.argsort(durations, kind="mergesort"):
         if durations[first] == math.inf:
             break
         for bit in range(moving.shape[0]):
@@ -54,8 +52,10 @@ def next_staged(  # type: ignore[no-untyped-def]
         if not collides(
             chain, body, obstacles, margin, path[1], frames, placed
         ) and not _collides_grossly(chain, body, obstacles, margin, path, frames, placed):
-            return place, path[1]
-    return -1, path[1]
+            rows, _ = dense(path)
+            if first_hit(chain, body, obstacles, lowest, margin, sweep, rows) < 0:
+                return path[1], True
+    return path[1], False
 
 
 @njit(cache=True)

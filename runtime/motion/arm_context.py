@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
 from runtime.kernels import advance, arm
 from runtime.kernels.convex import Obstacles, boxes_only
@@ -33,6 +34,8 @@ class ArmContext:
     _frames: Floats = field(init=False)
     _placed: Floats = field(init=False)
     sweep: Floats = field(init=False)
+    lowest: NDArray[np.int64] = field(init=False)
+    """The first frame whose parts an obstacle concerns (w,): all but those of the base."""
 
     def __post_init__(self) -> None:
         around = self.around
@@ -41,6 +44,7 @@ class ArmContext:
         object.__setattr__(self, "_frames", np.empty((len(self.robot.joints) + 1, 3, 4)))
         object.__setattr__(self, "_placed", np.empty((len(self.body.frame), 3, 4)))
         object.__setattr__(self, "sweep", self._enlarged_sweep())
+        object.__setattr__(self, "lowest", np.ones(len(obstacles.rows), dtype=np.int64))
 
     def _enlarged_sweep(self) -> Floats:
         """The robot's sweep, enlarged where a held part sticks out further than most."""
@@ -71,9 +75,8 @@ class ArmContext:
         if len(path) < 2:
             return None
         rows, line = advance.dense(path)
-        robot, lowest = self.robot, np.ones(len(self.obstacles.rows), dtype=np.int64)
         hit = advance.first_hit(
-            robot.chain, self.body, self.obstacles, lowest, margin, self.sweep, rows
+            self.robot.chain, self.body, self.obstacles, self.lowest, margin, self.sweep, rows
         )
         return None if hit < 0 else int(line[hit])
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from runtime.kernels.staged import next_staged
+from runtime.kernels.staged import quickest_corner
 from runtime.motion.arm_context import FREE_MARGIN, ArmContext
 from runtime.robot.model import Floats
 
@@ -83,16 +83,12 @@ def staged(context: ArmContext, start: Floats, goal: Floats) -> Floats | None:
 
 def quickest(context: ArmContext, start: Floats, goal: Floats) -> Floats | None:
     """The posture between the stages of the quickest free way in two stages; None for none."""
-    robot, place = context.robot, -1
-    while True:
-        place, corner = next_staged(
-            robot.chain, context.body, context.obstacles, FREE_MARGIN, context.sweep,
-            robot.velocity, start, goal, place + 1,
-        )  # fmt: skip
-        if place < 0:
-            return None
-        if context.path_is_free(np.array([start, corner, goal])):
-            return corner  # type: ignore[no-any-return]
+    robot = context.robot
+    corner, is_free = quickest_corner(
+        robot.chain, context.body, context.obstacles, context.lowest, FREE_MARGIN, context.sweep,
+        robot.velocity, start, goal,
+    )  # fmt: skip
+    return corner if is_free else None
 
 
 def rrt_connect(

@@ -98,16 +98,23 @@ def least_cost(pick, pick_reachable, place, place_reachable, costs, modulus, tur
     after = np.zeros((HEADINGS, words), dtype=np.int64)
     out = np.zeros(HEADINGS, dtype=np.int64)
     into = np.zeros(HEADINGS, dtype=np.int64)
+    # Where any heading goes with any, those that the same objects bar are one.
+    first_out = np.ones(HEADINGS, dtype=np.bool_)
+    first_into = np.ones(HEADINGS, dtype=np.bool_)
     _weigh(pick, pick_reachable, costs, before, out)
+    if modulus == 1:
+        _mark_first(before, out, first_out)
     best = NEVER
     found = np.zeros(words, dtype=np.int64)
     for i in range(place.shape[0]):
         _weigh(place[i], place_reachable[i], costs, after, into)
+        if modulus == 1:
+            _mark_first(after, into, first_into)
         for k in range(HEADINGS):
-            if out[k] > best or out[k] >= NEVER:
+            if not first_out[k] or out[k] > best or out[k] >= NEVER:
                 continue
             for m in range((k + turn) % modulus, HEADINGS, modulus):
-                if into[m] > best or into[m] >= NEVER:
+                if not first_into[m] or into[m] > best or into[m] >= NEVER:
                     continue
                 cost = out[k] + into[m] - _shared(before[k], after[m], costs)
                 if cost < best:
@@ -118,6 +125,23 @@ def least_cost(pick, pick_reachable, place, place_reachable, costs, modulus, tur
         if best == 0:
             break
     return best, _listed(found, len(costs))
+
+
+@njit(cache=True)
+def _mark_first(sets, sums, first):  # type: ignore[no-untyped-def]
+    """Write which headings (K,) are the first with their cost, `sums` (K,), and what bars them,
+    `sets` (K, W)."""
+    for k in range(HEADINGS):
+        first[k] = True
+        for other in range(k):
+            same = first[other] and sums[other] == sums[k]
+            w = 0
+            while same and w < sets.shape[1]:
+                same = sets[other, w] == sets[k, w]
+                w += 1
+            if same:
+                first[k] = False
+                break
 
 
 @njit(cache=True)

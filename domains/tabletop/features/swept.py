@@ -27,6 +27,12 @@ STEP = 2.0 * math.pi / HEADINGS
 ALL = (1 << HEADINGS) - 1
 COS = np.cos(np.arange(HEADINGS) * STEP)
 SIN = np.sin(np.arange(HEADINGS) * STEP)
+FAN = tuple((turn + 1) // 2 * (1.0 if turn % 2 else -1.0) * 0.2 for turn in range(13))
+"""Radians by which stands are looked for aside of a heading: straight behind the gripper first,
+then further and further away."""
+
+FAN_COS = np.array([[math.cos(k * STEP + offset) for offset in FAN] for k in range(HEADINGS)])
+FAN_SIN = np.array([[math.sin(k * STEP + offset) for offset in FAN] for k in range(HEADINGS)])
 PLAY = 0.002
 """Metres kept between objects that stand side by side."""
 
@@ -258,11 +264,9 @@ def _has_stand(  # type: ignore[no-untyped-def]
     wx, wy, x, y, k, shoulder, inner, outer, marks, x0, y0, cell, statics, clearance
 ):
     """Whether some base position, on a coarse fan around the wrist, is clear."""
-    for turn in range(13):
-        # Straight behind the gripper first, then further and further aside.
-        offset = (turn + 1) // 2 * (1.0 if turn % 2 else -1.0) * 0.2
-        ahead = math.cos(k * STEP + offset)
-        aside = math.sin(k * STEP + offset)
+    for turn in range(FAN_COS.shape[1]):
+        ahead = FAN_COS[k, turn]
+        aside = FAN_SIN[k, turn]
         for ring in range(4):
             reach = outer - ring * (outer - inner) / 4.0
             hx = wx - reach * ahead
