@@ -9,7 +9,7 @@ import numpy as np
 
 from domains.tabletop.actions.actions import ActionSchema
 from domains.tabletop.actions.added import Added
-from domains.tabletop.actions.executability import Executor
+from domains.tabletop.actions.executability import Executor, seeds_at
 from domains.tabletop.features.functions import misplaced, obstructions
 from domains.tabletop.improve.search import improve
 from domains.tabletop.reporting import TabletopReporting
@@ -17,7 +17,7 @@ from domains.tabletop.sampling.samples import Sampler
 from domains.tabletop.sampling.whole import sample_whole
 from domains.tabletop.scene.load import load_scene
 from domains.tabletop.state import State
-from domains.tabletop.subproblem import MAX_SEEDS, SEEDS, TabletopSubproblem
+from domains.tabletop.subproblem import TabletopSubproblem
 from domains.tabletop.world import TabletopWorld
 from runtime.improve import Improvement, Told
 from runtime.robot.load import DEFAULT_ROBOT, load_robot
@@ -62,12 +62,12 @@ class TabletopProblem:
     ) -> TabletopSubproblem:
         """Sample a subproblem."""
         samples = self.sampler.sample(state, attempt, rng)
-        return TabletopSubproblem(samples, self.executor, min(MAX_SEEDS, SEEDS * 2**attempt))
+        return TabletopSubproblem(samples, self.executor, seeds_at(attempt))
 
     def whole(self, attempt: int, rng: np.random.Generator) -> TabletopSubproblem:
         """Samples for all of the task, for searches that do not cut it into subproblems."""
         samples = sample_whole(self.sampler, self.initial, attempt, rng)
-        return TabletopSubproblem(samples, self.executor, min(MAX_SEEDS, SEEDS * 2**attempt))
+        return TabletopSubproblem(samples, self.executor, seeds_at(attempt))
 
     def counters(self, state: State) -> tuple[int, ...]:
         """#g, the objects that are misplaced or in the hand, and #r, what is in the way of

@@ -11,11 +11,6 @@ from domains.tabletop.state import State
 from runtime.motion.motion import Motion
 from runtime.search.problem import Rejection
 
-SEEDS = 12
-"""Starting points for inverse kinematics, doubled with each attempt up to ..."""
-
-MAX_SEEDS = 48
-
 
 @dataclass(frozen=True, eq=False)
 class TabletopSubproblem:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from domains.tabletop.actions.executability import Executor
+from domains.tabletop.actions.executability import SEEDS, Executor
 from domains.tabletop.actions.schedule import Step, scheduled
 from domains.tabletop.features import functions
 from domains.tabletop.sampling.samples import Sampler
@@ -18,7 +18,7 @@ from domains.tabletop.scene.model import (
     UprightBox,
 )
 from domains.tabletop.state import State
-from domains.tabletop.subproblem import SEEDS, TabletopSubproblem
+from domains.tabletop.subproblem import TabletopSubproblem
 from domains.tabletop.world import TabletopWorld
 from runtime.kernels import arm
 from runtime.kernels.boxes import within_reach

@@ -13,8 +13,6 @@ Arrays are taken out of their tuples once, for that costs more than a look.
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from numba import njit
 

@@ -53,9 +53,12 @@ FURTHER = 3
 SEARCHED = 2
 """... and the postures for which a way is searched where none of them has."""
 
+SEEDS, MAX_SEEDS = 12, 48
+"""Starting points for inverse kinematics at a first attempt, and at most."""
+
 CHECKS_A_SEED = 125
-"""Configurations that a search for a way may test, for each seed of inverse kinematics: at a first
-attempt other candidates are cheaper than a long search."""
+"""Configurations that a search for a way may test, for each seed more than at a first attempt: then
+another candidate, with a simple way, is cheaper than a search."""
 
 Answer = TypeVar("Answer", "Reach | None", "Motion | Rejection")
 
@@ -90,6 +93,11 @@ class Manipulation:
             self.others.pose.tobytes(),
             riders,
         )
+
+
+def seeds_at(attempt: int) -> int:
+    """Starting points for inverse kinematics: twice as many after each attempt that failed."""
+    return min(MAX_SEEDS, SEEDS * 2**attempt)
 
 
 class Executor:
@@ -224,16 +232,16 @@ class Executor:
         )
 
     def _further(self, asked: Manipulation, seeds: int, picks: bool) -> Motion | Rejection:
-        """The motion where the first posture has no simple way: with another one that has, else
-        by searching for one. A posture costs a tenth of a search."""
+        """The motion where the first posture has no simple way: with another one that has, else,
+        after a first attempt, by searching for one. A posture costs a tenth of a search."""
         found: list[Reach] = []
         for reach in islice(self._reaches(asked, seeds), 1 + FURTHER):
             found.append(reach)
             motion = self._motion(asked, reach, picks, 0) if len(found) > 1 else None
             if motion is not None and not isinstance(motion, Rejection):
                 return motion
-        for reach in found[:SEARCHED]:
-            checks = min(rrt.MAX_CHECKS, CHECKS_A_SEED * seeds)
+        checks = min(rrt.MAX_CHECKS, CHECKS_A_SEED * max(0, seeds - SEEDS))
+        for reach in found[:SEARCHED] if checks else ():
             motion = self._motion(asked, reach, picks, checks)
             if not isinstance(motion, Rejection):
                 return motion
@@ -242,8 +250,9 @@ class Executor:
     def another(
         self, state: State, target: Target, taken: Grasp, picks: bool, number: int
     ) -> Motion | Rejection:
-        """The motion of a manipulation, as for `manipulate`, with the arm in another posture: the
-        first that is found is number 0. Whether the robot can drive off then is not asked."""
+        """The motion of a manipulation, as for `manipulate`, with the arm in another posture, the
+        first that is found is number 0, and simple ways to it. Whether the robot can drive off then
+        is not asked."""
         index, placement, _ = target
         at = self.world.rests_at(state.placements, index, placement)
         found = None
@@ -252,7 +261,7 @@ class Executor:
             found = next(islice(self._reaches(asked, POSTURES), number, None), None)
         if found is None:
             return Rejection("inverse_kinematics", self.world.items[index].name)
-        return self._motion(asked, found, picks, True)
+        return self._motion(asked, found, picks, 0)
 
     def _seed(self, *parts: object) -> int:
         """A seed that depends on the question asked, not on what was asked before."""

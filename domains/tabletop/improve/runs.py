@@ -12,11 +12,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 from domains.tabletop.actions.actions import Action, MoveBase, Pick, Place
-from domains.tabletop.actions.executability import Executor
+from domains.tabletop.actions.executability import Executor, seeds_at
 from domains.tabletop.actions.schedule import Schedule, Step
 from domains.tabletop.faces import turned
 from domains.tabletop.state import BasePose, Grasp, State
-from domains.tabletop.subproblem import SEEDS
 from runtime.motion.motion import Motion
 from runtime.motion.transit import Transit
 from runtime.search.guide import Guide, Subgoal
@@ -115,7 +114,7 @@ class Workshop:
             return None
         motions: list[Motion] = []
         for action, at in zip(actions, [state, *states], strict=False):
-            motion = self._motion(at, action, job.posture)
+            motion = self._motion(at, action, job)
             if motion is None:
                 return None
             motions.append(motion)
@@ -130,13 +129,15 @@ class Workshop:
             values=tuple(self.guide.values(s) for s in states),
         )
 
-    def _motion(self, state: State, action: Action, posture: int) -> Motion | None:
-        key = state, action, posture
+    def _motion(self, state: State, action: Action, job: Job) -> Motion | None:
+        """The motion of an action of a job, asked for as carefully as when it was found."""
+        posture, seeds = job.posture, seeds_at(self.found[job.like].attempt)
+        key = state, action, posture, seeds
         if key not in self._motions:
             if posture and isinstance(action, Pick | Place):
                 motion = self._another(state, action, posture)
             else:
-                motion = action.motion(self.executor, state, SEEDS)
+                motion = action.motion(self.executor, state, seeds)
             self._motions[key] = None if isinstance(motion, Rejection) else motion
         return self._motions[key]
 

@@ -28,7 +28,9 @@ TRIES = 80
 FEW = 30
 """The same where only the things in the way change from question to question."""
 
-SEEDS = 12
+SEEDS = 24
+"""Starting points for inverse kinematics: more than at a first attempt, so that ways are searched
+for as well."""
 
 FLIPPED = 0.3
 """Share of the further grasps for which the hand is turned over."""
