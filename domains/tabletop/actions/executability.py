@@ -97,7 +97,7 @@ class Manipulation:
 
 def seeds_at(attempt: int) -> int:
     """Starting points for inverse kinematics: twice as many after each attempt that failed."""
-    return min(MAX_SEEDS, SEEDS * 2**attempt)
+    return min(MAX_SEEDS, SEEDS << attempt)
 
 
 class Executor:
