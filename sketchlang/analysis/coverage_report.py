@@ -9,7 +9,7 @@ from typing import Any
 
 from sketchlang.analysis.bits import members
 from sketchlang.analysis.coverage import Coverage, Gap, Obstacle, Overlap, find_coverage
-from sketchlang.analysis.cubes import Cube, TooManyCubesError
+from sketchlang.analysis.cubes import Cube, TooManyCubesError, Work, contains, cubes_of
 from sketchlang.analysis.words import Position, counted, cube, listed, literal
 from sketchlang.diagnostics import Diagnostic, Label, Severity
 from sketchlang.model import NO_SPAN, Invariant, Kind, Literal, Or, Rule, SketchModel
@@ -191,7 +191,8 @@ def _invariant(model: SketchModel, gap: Gap) -> str | None:
     """An invariant that excludes a gap, in the language's own words.
 
     It is the weakest one that leaves no other gap and spoils no rule: to forbid a valuation
-    may take the last rule from the valuations before it. None if there is no such invariant.
+    may take the last rule from the valuations before it. It makes no declared invariant
+    pointless and has no premise that those imply. None if there is no such invariant.
     """
     features = list(members(gap.cube.known))
     if not features or len(features) > MOST_PREMISES + 1:
@@ -201,16 +202,32 @@ def _invariant(model: SketchModel, gap: Gap) -> str | None:
     rest = tuple(f for f in features if f != last)
     try:
         dead = find_coverage(model, PROPOSAL_WORK).dead
+        best: tuple[int, tuple[int, ...]] | None = None  # valuations left, premise
         for dropped in range(len(rest) + 1):
             for premise in combinations(rest, len(rest) - dropped):
                 parts = tuple(Literal(f, not gap.cube.bits >> f & 1) for f in (*premise, last))
+                if _makes_pointless(model, Or(parts)):
+                    continue
                 invariants = (*model.invariants, Invariant(Or(parts), ""))
                 found = find_coverage(replace(model, invariants=invariants), PROPOSAL_WORK)
-                if not found.gaps and found.dead == dead:
-                    return _implication(model, gap.cube, premise, last)
+                if found.gaps or found.dead != dead:
+                    continue
+                # As weak as the one found before, but with fewer words?
+                if best is None or (found.possible == best[0] and len(premise) < len(best[1])):
+                    best = found.possible, premise
     except TooManyCubesError:
         return None
-    return None
+    return None if best is None else _implication(model, gap.cube, best[1], last)
+
+
+def _makes_pointless(model: SketchModel, clause: Or) -> bool:
+    """Whether a declared invariant follows from a clause alone."""
+    work = Work(PROPOSAL_WORK)
+    (excluded,) = cubes_of(clause, False, work)
+    return any(
+        all(contains(excluded, cube) for cube in cubes_of(invariant.formula, False, work))
+        for invariant in model.invariants
+    )
 
 
 def _implication(model: SketchModel, where: Cube, premise: Sequence[int], last: int) -> str:

@@ -8,9 +8,10 @@ from itertools import combinations
 import pytest
 
 from sketchlang.analysis.coverage import Coverage, find_coverage, find_overlaps
+from sketchlang.analysis.coverage_report import _invariant
 from sketchlang.analysis.cubes import Cube, TooManyCubesError, Work, fewest_hitting
 from sketchlang.analysis.words import cube
-from sketchlang.model import Invariant, Literal, Not, Or, SketchModel
+from sketchlang.model import Invariant, Literal, Not, Or, SketchModel, holds
 from tests.analysis.known import KNOWN
 from tests.analysis.notation import model
 from tests.analysis.random_sketches import random_sketch
@@ -100,6 +101,48 @@ def test_an_invariant_may_take_away_where_a_rule_leads() -> None:
     (gap,) = check(closed).gaps
     assert cube(closed, *gap.cube) == "{p, !q}"
     assert gap.obstacles[0].lowered is None
+
+
+def clause_of(sketch: SketchModel, text: str) -> Or:
+    """An invariant as it is offered: `invariant p and n > 0 -> not q`."""
+    index = {feature.name: f for f, feature in enumerate(sketch.features)}
+
+    def literal(words: str) -> Literal:
+        name = words.removeprefix("not ").split()[0]
+        return Literal(index[name], not words.startswith("not ") and not words.endswith("= 0"))
+
+    given, _, last = text.removeprefix("invariant ").rpartition(" -> ")
+    premises = [literal(words) for words in given.split(" and ")] if given else []
+    return Or((*(Literal(p.feature, not p.positive) for p in premises), literal(last)))
+
+
+def pointless(sketch: SketchModel, clause: Or) -> bool:
+    """Whether a declared invariant follows from a clause alone."""
+    left = [v for v in all_valuations(sketch) if holds(clause, v)]
+    return any(all(holds(one.formula, v) for v in left) for one in sketch.invariants)
+
+
+def test_offered_invariants_leave_the_declared_ones_their_meaning() -> None:
+    """They close the gap, make no declared one pointless, and have no premise too many."""
+    offered = 0
+    for seed in range(700):
+        sketch = replace(random_sketch(seed), goal={0: True})
+        gaps = find_coverage(sketch).gaps
+        text = _invariant(sketch, gaps[0]) if gaps and sketch.invariants else None
+        if text is None:
+            continue
+        offered += 1
+        clause = clause_of(sketch, text)
+        assert not find_coverage(
+            replace(sketch, invariants=(*sketch.invariants, Invariant(clause, "")))
+        ).gaps
+        assert not pointless(sketch, clause)
+        left = [v for v in valuations(sketch) if holds(clause, v)]
+        for premise in clause.operands[:-1]:
+            shorter = Or(tuple(p for p in clause.operands if p is not premise))
+            same = [v for v in valuations(sketch) if holds(shorter, v)] == left
+            assert not same or pointless(sketch, shorter), (seed, text)
+    assert offered > 10
 
 
 def test_rules_that_can_never_be_used() -> None:
