@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from textwrap import wrap
@@ -67,6 +67,16 @@ class Watchable(Protocol):
         Raises:
             InputError: there is nothing to watch.
         """
+        ...
+
+
+@runtime_checkable
+class Restartable(Protocol):
+    """A problem whose states can be written as scenes that begin there."""
+
+    def scene_files(self, state: Any) -> Mapping[str, str]:
+        """Endings of file names and texts, the scene first; empty where the scene's format has no
+        words for the state."""
         ...
 
 
@@ -231,6 +241,12 @@ class ClassicalReporting:
         Python prints for it."""
         picture = getattr(self.problem.problem, "picture", None)
         return TextPicture(tuple(picture(state)) if picture is not None else (repr(state),))
+
+    def scene_files(self, state: Any) -> Mapping[str, str]:
+        """What the domain's problem has as the text of a scene (`scene(state)`), if it has that."""
+        scene = getattr(self.problem.problem, "scene", None)
+        text = None if scene is None else scene(state)
+        return {} if text is None else {".toml": text}
 
     def hopeless(self, solves: Solves | None = None) -> list[dict[str, Any]]:
         """Nothing is known before the search."""

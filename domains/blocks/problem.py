@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import json
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -96,21 +97,39 @@ class BlocksProblem:
             if block.number != held and block.number not in covered:
                 yield Action("stack", name, block.name), _moved(state, held, block.number)
 
+    def scene(self, state: State) -> str | None:
+        """The state as a scene file, which has no word for a block in the hand: then None."""
+        if state.held is not None:
+            return None
+        task = state.task
+        towers = [" ".join(tower) for tower in _towers(task, state.below)]
+        goal = [" ".join(tower) for tower in _towers(task, task.goal) if len(tower) > 1]
+        clear = [task.blocks[number].name for number in sorted(task.to_clear)]
+        given = {"towers": towers, "goal": goal, "clear": clear}
+        return "".join(f"{key} = {json.dumps(value)}\n" for key, value in given.items() if value)
+
     def picture(self, state: State) -> Iterator[str]:
         """Towers, each from above to below, what is in the hand, and what is wanted."""
         names = [block.name for block in state.task.blocks]
-        for number, below in enumerate(state.below):
-            if below == TABLE:
-                tower = [number]
-                while (top := state.on(tower[-1])) is not None:
-                    tower.append(top)
-                yield f"tower: {' '.join(names[block] for block in reversed(tower))}"
+        for tower in _towers(state.task, state.below):
+            yield f"tower: {' '.join(reversed(tower))}"
         yield f"hand: {'empty' if state.held is None else names[state.held]}"
         for number, wanted in enumerate(state.task.goal):
             if wanted is not None:
                 yield f"goal: {names[number]} on {names[wanted]}"
         for number in sorted(state.task.to_clear):
             yield f"goal: nothing on {names[number]}"
+
+
+def _towers(task: Task, below: Sequence[int | None]) -> Iterator[list[str]]:
+    """The names of the blocks of each tower, the lowest first."""
+    above = {under: number for number, under in enumerate(below)}
+    for number, under in enumerate(below):
+        if under is None or under == TABLE:
+            tower = [number]
+            while (top := above.get(tower[-1])) is not None:
+                tower.append(top)
+            yield [task.blocks[block].name for block in tower]
 
 
 def _moved(state: State, number: int, below: int) -> State:

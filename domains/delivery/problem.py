@@ -96,6 +96,15 @@ class DeliveryProblem:
                 cells = _put(state.cells, package.number, None)
                 yield Action("pick", package.name), State(grid, agent, package.number, cells)
 
+    def scene(self, state: State) -> str | None:
+        """The state as a scene file; None if a map cannot draw it: something is carried, or two
+        things are in one cell."""
+        cells = [state.agent, state.grid.target, *state.cells]
+        if state.held is not None or len(set(cells)) < len(cells):
+            return None
+        *rows, _, _ = self.picture(state)
+        return "\n".join(["map = '''", *rows, "'''", ""])
+
     def picture(self, state: State) -> Iterator[str]:
         """The map as scene files draw it: `A` is the agent, above all else, `T` the target."""
         grid = state.grid

@@ -107,6 +107,12 @@ class PddlReporting:
         missing = self.task.open_goals(state.bits)
         return TextPicture((*lines, f"parts of the goal that do not hold: {missing}"))
 
+    def scene_files(self, state: State) -> dict[str, str]:
+        """The task with this state at the start, and its domain, to be found beside it."""
+        from domains.pddl.started import started_from
+
+        return {".pddl": started_from(state), "-domain.pddl": self.task.pddl.domain.source.text}
+
     def hopeless(self, solves: Solves | None = None) -> list[dict[str, Any]]:
         """The parts of the goal that no number of actions can bring about, not even if no action
         made anything false."""

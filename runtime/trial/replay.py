@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from runtime.reporting import Restartable
 from runtime.search.guide import Values
 from runtime.search.problem import SearchProblem
 from runtime.trial.explore import successors
 from sketchlang.compile import CompiledSketch
 from sketchlang.errors import InputError
 from sketchlang.reading import read_json
+
+if TYPE_CHECKING:
+    from runtime.solve import Task
 
 
 @dataclass(frozen=True)
@@ -49,6 +54,29 @@ def read(file: str, format_: str) -> Recorded:
     return Recorded(file, scene, seed, text, tuple(actions))
 
 
+def states(
+    problem: SearchProblem, file: str, seed: int, actions: Sequence[str]
+) -> Iterator[tuple[str, Any]]:
+    """Each action with the state after it, the start first.
+
+    Raises:
+        InputError: an action is not possible where it is asked for.
+    """
+    rng = np.random.default_rng(seed)
+    state = problem.initial
+    yield "(start)", state
+    for number, wanted in enumerate(actions, start=1):
+        for action, after in successors(problem, state, rng):
+            if str(action) == wanted:
+                state = after
+                break
+        else:
+            raise InputError(
+                f"action {number}, {wanted!r}, is not possible in this scene", place=file
+            )
+        yield wanted, state
+
+
 def replayed(
     sketch: CompiledSketch, problem: SearchProblem, found: Recorded
 ) -> Iterator[tuple[str, Values]]:
@@ -57,16 +85,18 @@ def replayed(
     Raises:
         InputError: an action is not possible where it is asked for.
     """
-    rng = np.random.default_rng(found.seed)
-    state = problem.initial
-    yield "(start)", sketch.evaluate(state)
-    for number, wanted in enumerate(found.actions, start=1):
-        for action, after in successors(problem, state, rng):
-            if str(action) == wanted:
-                state = after
-                break
-        else:
-            raise InputError(
-                f"action {number}, {wanted!r}, is not possible in this scene", place=found.file
-            )
-        yield wanted, sketch.evaluate(state)
+    for action, state in states(problem, found.file, found.seed, found.actions):
+        yield action, sketch.evaluate(state)
+
+
+def scene_files(task: Task, file: str, seed: int, actions: Sequence[str]) -> Mapping[str, str]:
+    """A scene that starts in the state to which actions lead, see `Restartable`; empty where the
+    domain cannot write one.
+
+    Raises:
+        InputError: an action is not possible where it is asked for.
+    """
+    if not isinstance(task.reporting, Restartable):
+        return {}
+    *_, (_, state) = states(task.problem, file, seed, actions)
+    return task.reporting.scene_files(state)

@@ -60,7 +60,11 @@ SCENES = 4
     metavar="S",
     help="Stop after S seconds.",
 )
-@click.option("--out", metavar="FOLDER", help="Write each finding to a file here, for --replay.")
+@click.option(
+    "--out",
+    metavar="FOLDER",
+    help="Write each finding to a file here, for --replay, and as a scene that starts there.",
+)
 @click.option("--replay", metavar="FILE", help="Go to the state of a finding, step by step.")
 @click.option("--strict", is_flag=True, help="Exit 1 for warnings, too.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
@@ -109,7 +113,7 @@ def command(
         names = scenes or _own_scenes(loaded)
         effort = Effort(states=states, subproblems=subproblems, k_max=k_max)
         trial = _examined(loaded, names, effort, time_limit, seed)
-        files = [] if out is None else _write(Path(out), trial, seed)
+        files = [] if out is None else _write(Path(out), loaded, trial, seed)
     except (InputError, SceneError) as error:
         fail(error)
     except EvaluationError as error:
@@ -225,8 +229,10 @@ def _width(width: int | None, k_max: int) -> str:
     return f"more than {k_max}" if width is None else str(width)
 
 
-def _write(folder: Path, trial: Trial, seed: int) -> list[Path]:
-    """A file for each finding that a state shows."""
+def _write(folder: Path, loaded: Loaded, trial: Trial, seed: int) -> list[Path]:
+    """A file for each finding that a state shows, and scenes that start in these states."""
+    from runtime.solve import open_task
+    from runtime.trial.replay import scene_files
     from sketchlang.errors import InputError
     from sketchlang.escape import dumps
     from sketchlang.files import check_output, write_text
@@ -237,12 +243,19 @@ def _write(folder: Path, trial: Trial, seed: int) -> list[Path]:
     except OSError as error:
         raise InputError(f"{error.strerror or error}", place=str(folder)) from error
     names = [feature.name for feature in trial.model.features]
-    files = []
+    tasks: dict[str | None, Task] = {}
+    files: list[Path] = []
     for number, finding in enumerate((f for f in trial.findings if f.scene), start=1):
         path = folder / f"{number}-{finding.kind}.json"
         content = {"format": FORMAT, "version": 1, "sketch": trial.model.name, "seed": seed}
         write_text(path, dumps(content | _finding(finding, names), indent=2) + "\n")
         files.append(path)
+        if finding.scene not in tasks:
+            tasks[finding.scene] = open_task(loaded.checked, str(finding.scene), seed)
+        scenes = scene_files(tasks[finding.scene], str(path), seed, finding.actions)
+        for ending, text in scenes.items():
+            files.append(path.with_name(path.stem + ending))
+            write_text(files[-1], text)
     return files
 
 
