@@ -140,7 +140,7 @@ def test_grammars_import_nothing_of_the_others(path) -> None:
     assert not [n for n in imports(path, lazy=True) if within(n, PACKAGES[1:])]
 
 
-ARRAYS = ("listing", "valuations", "verify_ranks")
+ARRAYS = ("listed_graph", "listed_piece", "listing", "valuations", "verify_ranks")
 """Analyses of all valuations at once, which the others import when it comes to that."""
 
 ARRAY_MODULES = tuple(f"sketchlang.analysis.{name}" for name in ARRAYS)
