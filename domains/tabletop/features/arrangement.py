@@ -785,8 +785,18 @@ class Arrangement:
 
         if known_as is None or ways.goal.frame is not None:
             return compute()
+        if self._all_far(ways, boxes):
+            return None
         question = (known_as, ways.goal.key, kind, family, ways.hold.key)
         return self.world.memory.answer("sites bar sites", question, compute)
+
+    def _all_far(self, ways: Places, boxes: Floats) -> bool:
+        """Whether boxes (b, 8) are too far from the sites of a goal to bar a way to any of them, by
+        circles around all of them."""
+        (x, y), radius = ways.goal.circle
+        reach = radius + max(self._reach(ways.hold), ways.extent)
+        away = np.hypot(boxes[:, 0] - x, boxes[:, 1] - y) - np.hypot(boxes[:, 3], boxes[:, 4])
+        return bool(away.min() > reach)
 
     def _both_far(self, extra: Thought, other: int, goal: GoalSites) -> bool:
         """Whether a box is too far from an object and from its goal to be in its way."""

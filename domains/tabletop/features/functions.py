@@ -23,7 +23,10 @@ CACHED_OBJECTS = 12_000
 """As many arrangements are remembered as hold so many objects together, ..."""
 
 CACHED_PAIRS = 12_000_000
-"""... and so many pairs of them, but not less than LOOK_BACK: what bars what is a square table."""
+"""... and so many pairs of them, for each family of approaches: what bars what is a square table."""
+
+FEWEST = 4
+"""Arrangements that are remembered however large they are."""
 
 SAME = 16
 """Tuples of placements that are known by themselves, without a look at what is in them."""
@@ -41,7 +44,7 @@ def arrangement(world: TabletopWorld, placements: Placements) -> Arrangement:
         return found  # type: ignore[no-any-return]
     found = _remembered(world, placements)
     same[id(placements)] = placements, found  # keeps the tuple, so that its id is not used again
-    if len(same) > SAME:
+    if len(same) > min(SAME, _most(world)):
         same.popitem(last=False)
     return found
 
@@ -53,13 +56,18 @@ def _remembered(world: TabletopWorld, placements: Placements) -> Arrangement:
         origin = _origin(known.values(), placements)
         found = origin.moved(placements) if origin else Arrangement.afresh(world, placements)
         known[placements] = found
-        number = max(1, len(placements))
-        most = min(CACHED_OBJECTS // number, CACHED_PAIRS // number**2)
-        if len(known) > max(LOOK_BACK, most):
+        if len(known) > _most(world):
             known.popitem(last=False)
     else:
         known.move_to_end(placements)
     return found
+
+
+def _most(world: TabletopWorld) -> int:
+    """How many arrangements are remembered."""
+    number = max(1, len(world.items))
+    pairs = number**2 * len(world.families)
+    return max(FEWEST, min(CACHED_OBJECTS // number, CACHED_PAIRS // pairs))
 
 
 def _origin(known: object, placements: Placements) -> Arrangement | None:
