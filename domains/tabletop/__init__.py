@@ -61,7 +61,13 @@ def name_of(state: State, element: object) -> str | None:
 @domain.function(ignores="base")
 def objects(state: State) -> tuple[Object, ...]:
     """All movable objects."""
-    return tuple(Object(i) for i in range(len(state.placements)))
+    return _first(len(state.placements))
+
+
+@cache
+def _first(number: int) -> tuple[Object, ...]:
+    """So many objects: always the same tuple, for what is known of it need not be looked at again."""
+    return tuple(Object(i) for i in range(number))
 
 
 @domain.function(ignores="base")

@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 from domains.tabletop.actions.actions import Pick, Place
-from domains.tabletop.actions.executability import FURTHER, SEARCHED
+from domains.tabletop.actions.executability import FURTHER, SEARCHED, seeds_at
 from domains.tabletop.actions.reach import ANOTHER, Reach
 from domains.tabletop.problem import TabletopProblem
 from domains.tabletop.state import BasePose, Grasp, Placement, State
+from runtime.motion import rrt
 from runtime.motion.motion import Motion
 from runtime.search.problem import Rejection
 from tests.tabletop.tasks import ON_RIGHT, stick, task
@@ -155,3 +156,20 @@ def test_the_tries_end_and_are_remembered(problem, monkeypatch) -> None:
         motion = problem.executor.manipulate(state, 0, state.placements[0], PICK.grasp, True, 60)
         assert motion == Rejection("motion_plan", "a")
         assert len(tried) == 1 + FURTHER + SEARCHED
+
+
+def test_a_first_attempt_searches_for_no_way(problem, monkeypatch) -> None:
+    """Where no posture has a simple way; later attempts do search."""
+    searches: list[int] = []
+
+    def searched(*arguments) -> None:
+        searches.append(arguments[5])
+
+    monkeypatch.setattr(rrt, "simple", lambda *arguments: None)
+    monkeypatch.setattr(rrt, "rrt_connect", searched)
+    state = standing(problem, 1, 0.8, 0.75, 0)
+    assert isinstance(PICK.motion(problem.executor, state, seeds_at(0)), Rejection)
+    assert not searches
+    assert isinstance(PICK.motion(problem.executor, state, seeds_at(1)), Rejection)
+    assert searches
+    assert min(searches) > 0

@@ -12,6 +12,7 @@ import pytest
 from domains.tabletop import Object, disturbances, misplaced, obstructions
 from domains.tabletop.actions.actions import MoveBase, Pick, Place
 from domains.tabletop.features import swept
+from domains.tabletop.features.arrangement import _place_barred
 from domains.tabletop.features.functions import arrangement
 from domains.tabletop.features.swept import LEVEL, PLAY, STEP
 from domains.tabletop.items import GRASP_HEIGHT, PALM_AIR, PINCH_DEPTH
@@ -403,3 +404,23 @@ def test_base_poses_are_clear_of_what_stands_on_the_floor(tmp_path, seed) -> Non
     poses = [base for base in found if base is not None]
     assert len(poses) > 10
     assert all(roads.can_turn(*base.pose[:2]) for base in poses)
+
+
+def test_what_is_far_from_a_goal_bars_no_way_to_it(tmp_path) -> None:
+    """By circles around all its sites, beside what is found site by site; some goals are near."""
+    path = tmp_path / "scene.toml"
+    path.write_text(sorting_scene(60, seed=5), encoding="utf-8")
+    world = TabletopWorld.of(load_scene(path, "scene"), load_robot("tiago"))
+    here = arrangement(world, world.initial.placements)
+    one_of = {goal.key: (index, goal) for index, goal in world.goals.items()}
+    told: list[bool] = []
+    for index, goal in one_of.values():
+        boxes = np.vstack([world.site_boxes(*other) for other in one_of.values()])
+        for family in world.families:
+            ways = here.places_of(index, goal, family)
+            barred = _place_barred(world, ways, family, boxes).any(axis=0)
+            for box, bars in zip(boxes, barred, strict=True):
+                told.append(here._all_far(ways, box[None]))
+                assert not (told[-1] and bars)
+    assert any(told)
+    assert not all(told)
