@@ -66,7 +66,7 @@ def objects(state: State) -> tuple[Object, ...]:
 
 @cache
 def _first(number: int) -> tuple[Object, ...]:
-    """So many objects: always the same tuple, for what is known of it need not be looked at again."""
+    """So many objects: always the same tuple, so that it need not be looked at again."""
     return tuple(Object(i) for i in range(number))
 
 

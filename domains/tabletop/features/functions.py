@@ -23,7 +23,8 @@ CACHED_OBJECTS = 12_000
 """As many arrangements are remembered as hold so many objects together, ..."""
 
 CACHED_PAIRS = 12_000_000
-"""... and so many pairs of them, for each family of approaches: what bars what is a square table."""
+"""... and so many pairs of them, for each family of approaches: tables of what bars what are
+square."""
 
 FEWEST = 4
 """Arrangements that are remembered however large they are."""
