@@ -137,6 +137,8 @@ class _Writer:
             )
         if idle and shown:
             lines.append(f"{indent}Elsewhere none of them can fire twice.")
+        elif idle == 1:
+            lines.append(f"{indent}In no valuation can a run go on with any of them.")
         elif idle:
             count = "two" if idle == 2 else str(idle)
             lines.append(f"{indent}All {count} groups are passed at most once, one after another.")
