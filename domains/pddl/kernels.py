@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from runtime.kernels.compiled import njit
 
 Words = NDArray[np.uint64]
 Ints = NDArray[np.int64]
@@ -21,13 +22,13 @@ CHECKED, CONDITIONAL, SPENT = 1, 2, 4
 new can come of it any more in a search of width 1."""
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
+@njit(cache=True)
 def has(words: Words, place: int) -> bool:
     """Whether a bit is 1."""
     return bool((words[place >> 6] >> np.uint64(place & 63)) & np.uint64(1))
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
+@njit(cache=True)
 def applicable(
     words: Words, bit: Ints, skip: Ints, start: Ints, operators: Ints, room: Ints
 ) -> int:
@@ -47,7 +48,7 @@ def applicable(
     return found
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
+@njit(cache=True)
 def forbidden(words: Words, row: int, first: Ints, bits: Ints) -> bool:
     """Whether a state has a bit that has to be 0."""
     for at in range(first[LISTS * row + FALSE], first[LISTS * row + FALSE + 1]):
@@ -56,7 +57,7 @@ def forbidden(words: Words, row: int, first: Ints, bits: Ints) -> bool:
     return False
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
+@njit(cache=True)
 def holds(words: Words, row: int, first: Ints, bits: Ints) -> bool:
     """Whether the condition of a conditional change holds."""
     for at in range(first[LISTS * row], first[LISTS * row + 1]):
@@ -65,7 +66,7 @@ def holds(words: Words, row: int, first: Ints, bits: Ints) -> bool:
     return not forbidden(words, row, first, bits)
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
+@njit(cache=True)
 def follow(
     before: Words, after: Words, operator: int, first: Ints, bits: Ints, conditional: Ints
 ) -> None:
@@ -86,7 +87,7 @@ def follow(
                     after[place >> 6] &= ~(one << np.uint64(place & 63))
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
+@njit(cache=True)
 def literals(words: Words, mask: Words, negated: Words, out: Words) -> None:
     """What novelty is about: the atoms of a mask, and after them the negations of some."""
     width = mask.shape[0]
@@ -97,7 +98,7 @@ def literals(words: Words, mask: Words, negated: Words, out: Words) -> None:
             out[width + at] = ~words[at] & negated[at]
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
+@njit(cache=True)
 def lowest(word: np.uint64) -> int:
     """The place of a word's lowest 1."""
     place = 0
@@ -116,7 +117,7 @@ def lowest(word: np.uint64) -> int:
     return place
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
+@njit(cache=True)
 def is_new(known: Words, now: Words, seen: Words, k: int) -> bool:
     """Whether a state has k literals that were never true together. `known` are those of the
     state before it, which was added. `seen[0]`, or for k = 2 `seen[i]` for a literal i, are the
@@ -138,7 +139,7 @@ def is_new(known: Words, now: Words, seen: Words, k: int) -> bool:
     return False
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
+@njit(cache=True)
 def add(now: Words, seen: Words, k: int) -> None:
     """Remember what is true in a state."""
     width = now.shape[0]
@@ -155,7 +156,7 @@ def add(now: Words, seen: Words, k: int) -> None:
             rest &= rest - np.uint64(1)
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
+@njit(cache=True)
 def may_be_new(
     words: Words,
     operator: int,
@@ -184,7 +185,7 @@ def may_be_new(
     return False
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
+@njit(cache=True)
 def expand(
     bit: Ints,
     skip: Ints,
@@ -253,7 +254,7 @@ def expand(
     return head, tail, tried, 0
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
+@njit(cache=True)
 def follow_all(
     before: Words, chosen: Ints, first: Ints, bits: Ints, conditional: Ints, after: Words
 ) -> None:

@@ -20,9 +20,9 @@ from domains.tabletop.scene.model import (
 from domains.tabletop.state import State
 from domains.tabletop.subproblem import TabletopSubproblem
 from domains.tabletop.world import TabletopWorld
-from runtime.kernels import arm
+from runtime.kernels import arm, kept
 from runtime.kernels.boxes import within_reach
-from runtime.kernels.cache import has_compiled
+from runtime.kernels.compiler import has_compiled
 from runtime.kernels.convex import boxes_only
 from runtime.motion import rrt
 from runtime.motion.arm_context import ArmContext
@@ -60,6 +60,7 @@ def warm_up(robot: RobotModel) -> None:
     if has_compiled():
         # What only some scenes ask is compiled with the rest; loaded it is when it is asked for.
         _warm_up_rare(world, rng)
+    kept.write()
 
 
 def _warm_up_rare(world: TabletopWorld, rng: np.random.Generator) -> None:

@@ -14,7 +14,6 @@ Arrays are taken out of their tuples once, for that costs more than a look.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from runtime.kernels.arm import CLOSE, forward, place_boxes
 from runtime.kernels.between import (
@@ -25,6 +24,7 @@ from runtime.kernels.between import (
     line_is_free,
 )
 from runtime.kernels.boxes import distance_squared, pose_vs_pose, pose_vs_upright
+from runtime.kernels.compiled import njit
 
 STRETCH = 0.3
 """Metres that parts of the last frame move, at most, in a stretch with which questions begin."""

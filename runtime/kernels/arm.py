@@ -16,9 +16,8 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
-
 from runtime.kernels.boxes import distance_squared, pose_vs_pose, pose_vs_upright
+from runtime.kernels.compiled import njit
 from runtime.kernels.convex import TOLERANCE, gjk_distance, pose_of_row, solid_of
 
 

@@ -15,7 +15,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
 from runtime.kernels.arm import (
     CLOSE,
@@ -26,6 +25,7 @@ from runtime.kernels.arm import (
     place_boxes,
 )
 from runtime.kernels.boxes import gap_to_pose, gap_to_upright, pose_vs_pose, pose_vs_upright
+from runtime.kernels.compiled import njit
 
 DEEP = 30
 """So often a line is halved; then it counts as touching."""

@@ -12,7 +12,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
+
+from runtime.kernels.compiled import njit
 
 PARALLEL = 1e-9
 """Added to absolute rotation entries so that near-parallel edges give no false axis."""

@@ -19,10 +19,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from runtime.kernels.boxes import to_base_frame, within_reach
+from runtime.kernels.compiled import njit
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
+from runtime.kernels.compiled import njit
 from runtime.kernels.course import excess, marks, speeds
 
 POINTS = 24

@@ -9,8 +9,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
+from runtime.kernels.compiled import njit
 from runtime.kernels.course import averaged, excess, marks, samples, speeds
 
 TRIES = 8

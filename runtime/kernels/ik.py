@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
 from runtime.kernels.arm import collides, forward, jacobian
+from runtime.kernels.compiled import njit
 
 DAMPING = 0.05
 MAX_STEP = 0.5  # radians (metres) a joint may move in one iteration

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
-
 from runtime.kernels.arm import body_collides
+from runtime.kernels.compiled import njit
 from runtime.kernels.plane import point_is_clear
 
 

@@ -12,10 +12,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
 from runtime.kernels.advance import dense, first_hit
 from runtime.kernels.arm import collides
+from runtime.kernels.compiled import njit
 
 HARDLY = 0.12
 """Metres that a joint moves parts at most, from start to goal, so that it counts as hardly moving

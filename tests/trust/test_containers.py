@@ -25,31 +25,35 @@ def bare(monkeypatch, tmp_path) -> Path:
     for name in (cache.FOLDER, "XDG_CACHE_HOME"):
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setenv("HOME", NOWHERE)
-    used: list[Path] = []
-    monkeypatch.setattr(cache, "_use", used.append)
-    monkeypatch.setattr(cache, "_compile_anew", lambda: used.append(Path("anew")))
     monkeypatch.setattr(cache.tempfile, "tempdir", str(tmp_path))
-    monkeypatch.setattr(cache, "used", used, raising=False)
     (tmp_path / "package").mkdir()
     (tmp_path / "package" / "__pycache__").write_text("not a folder")
     return tmp_path / "package"
 
 
-def test_the_usual_places_are_left_to_numba(bare, monkeypatch, tmp_path) -> None:
-    cache.prepare(tmp_path)  # where files can be made
-    monkeypatch.setenv("HOME", str(tmp_path))
-    cache.prepare(bare)
-    monkeypatch.setenv("HOME", NOWHERE)
-    monkeypatch.setenv(cache.FOLDER, str(tmp_path))
-    cache.prepare(bare)
-    assert cache.used == []
+def find(package: Path) -> Path | None:
+    """The folder, looked for anew."""
+    return cache.folder.__wrapped__(package)
+
+
+def test_the_usual_places_come_first(bare, monkeypatch, tmp_path, caplog) -> None:
+    with caplog.at_level(logging.WARNING):
+        assert find(tmp_path) == tmp_path / "__pycache__"
+        monkeypatch.setenv("HOME", str(tmp_path))
+        in_home = find(bare)
+        assert in_home is not None
+        assert in_home.parent == tmp_path / ".cache" / "sketchlang"
+        assert find(tmp_path / "package" / "another") != in_home
+        monkeypatch.setenv("HOME", NOWHERE)
+        monkeypatch.setenv(cache.FOLDER, str(tmp_path / "named"))
+        assert find(bare) == tmp_path / "named"
+    assert caplog.messages == []
 
 
 def test_a_private_folder_stands_in(bare, tmp_path, caplog) -> None:
     with caplog.at_level(logging.WARNING):
-        cache.prepare(bare)
-    folder = tmp_path / f"sketchlang-kernels-{os.getuid()}"
-    assert cache.used == [folder]
+        folder = find(bare)
+    assert folder == tmp_path / f"sketchlang-kernels-{os.getuid()}"
     assert folder.stat().st_mode & 0o777 == 0o700
     assert len(caplog.messages) == 1
 
@@ -69,14 +73,13 @@ def test_a_folder_that_others_can_write_is_not_used(spoil, tmp_path) -> None:
         cache.own_folder(tmp_path)
 
 
-def test_without_any_folder_kernels_are_compiled_anew(bare, monkeypatch, caplog) -> None:
+def test_without_any_folder_nothing_is_kept(bare, monkeypatch, caplog) -> None:
     def none(_folder: Path) -> Path:
         raise PermissionError
 
     monkeypatch.setattr(cache, "own_folder", none)
     with caplog.at_level(logging.WARNING):
-        cache.prepare(bare)
-    assert cache.used == [Path("anew")]
+        assert find(bare) is None
     assert len(caplog.messages) == 1
 
 

@@ -15,9 +15,9 @@ raises no cost, and lowers that of each object in whose way it counts.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from domains.tabletop.features.swept import HEADINGS, UNREACHABLE
+from runtime.kernels.compiled import njit
 
 WORD = 63
 """Objects a word in a set of objects."""

@@ -18,8 +18,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
+from runtime.kernels.compiled import njit
 from runtime.kernels.plane import in_room, point_distance
 
 HEADINGS = 24

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
-
+from runtime.kernels.compiled import njit
 from runtime.kernels.plane import in_room
 
 
