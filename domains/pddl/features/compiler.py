@@ -32,7 +32,16 @@ Frame = list[Any]
 Run = Callable[[Frame], Any]
 
 MEMORY = 50_000
-"""So many results of an expression are kept."""
+"""So many results of an expression are kept at most, ..."""
+
+MEMORY_BYTES = 64 << 20
+"""... and so much of the states that they belong to."""
+
+
+def kept_of(mask: Mask) -> int:
+    """How many results are kept of what looks at these bits of a state."""
+    return max(1, min(MEMORY, MEMORY_BYTES // (64 + mask.bit_length() // 8)))
+
 
 _WORTH_KEEPING = (
     frozenset(
@@ -162,12 +171,13 @@ class Compiler:
         if node.kind not in _WORTH_KEEPING:
             return run
         memory: dict[int, Any] = {}
+        most = kept_of(mask)
 
         def kept(frame: Frame) -> Any:
             key = frame[0] & mask
             value = memory.get(key)
             if value is None:
-                if len(memory) > MEMORY:
+                if len(memory) >= most:
                     memory.clear()
                 value = memory[key] = run(frame)
             return value
@@ -254,9 +264,11 @@ class Compiler:
         if pattern == (OPEN, OPEN):
             return lambda frame: where.rows(frame[0])
         if pattern[0] == MANY:
-            start = given[0]
+            start, image = given[0], where.image if isinstance(where, Fixed) else None
 
             def after(frame: Frame) -> Mask:
+                if image is not None:
+                    return image(start(frame))
                 bits, found = frame[0], 0
                 for element in bits_of(start(frame)):
                     found |= where.last(bits, (element,))
@@ -272,9 +284,9 @@ class Compiler:
             return _column(where, end)
         many = pattern[1] == MANY
         if isinstance(where, Fixed):
-            columns = rows.getter(where.columns)
+            preimage, columns = where.preimage, rows.getter(where.columns)
             if many:
-                return lambda frame: rows.image(columns, end(frame))
+                return lambda frame: preimage(end(frame))
             return lambda frame: columns(end(frame))
 
         def before(frame: Frame) -> Mask:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from domains.pddl.features.compiler import MEMORY, Compiler, Meaning, Run
+from domains.pddl.features.compiler import Compiler, Meaning, Run, kept_of
 from domains.pddl.ground.task import GroundTask
 from domains.pddl.state import State
 from sketchlang.checking.checker import CheckedSketch
@@ -62,11 +62,12 @@ class Part:
 @dataclass(frozen=True, eq=False)
 class Step:
     """How a feature is computed: its place in a frame, the bits of a state that it looks at, its
-    values so far by these bits, and the features that it is made of."""
+    values so far by these bits, how many of them are kept, and the features that it is made of."""
 
     slot: int
     mask: int
     kept: dict[int, int]
+    most: int
     run: Run
     uses: frozenset[int]
 
@@ -93,11 +94,14 @@ class Features:
         for index, step in reversed(list(self.steps.items())):
             if index in wanted:
                 wanted |= step.uses
-        steps = [(s.slot, s.mask, s.kept, s.run) for i, s in self.steps.items() if i in wanted]
+        steps = [
+            (s.slot, s.mask, s.kept, s.most, s.run) for i, s in self.steps.items() if i in wanted
+        ]
         everything = 0
-        for _, mask, _, _ in steps:
+        for _, mask, _, _, _ in steps:
             everything |= mask
         memory: dict[int, Values] = {}
+        most = kept_of(everything)
         invariants = [(truth(invariant.formula), invariant.text) for invariant in model.invariants]
         start = [*[0] * first, *otherwise]
 
@@ -108,11 +112,11 @@ class Features:
                 return found
             frame: list[Any] = start[:]
             frame[0] = bits
-            for slot, mask, kept, run in steps:
+            for slot, mask, kept, room, run in steps:
                 part = bits & mask
                 value = kept.get(part)
                 if value is None:
-                    if len(kept) > MEMORY:
+                    if len(kept) >= room:
                         kept.clear()
                     value = kept[part] = run(frame)
                 frame[slot] = value
@@ -124,7 +128,7 @@ class Features:
                     )
                     message = f"the invariant does not hold: {listed}"
                     raise EvaluationError(message, expression=text, state=State(bits, task))
-            if len(memory) > MEMORY:
+            if len(memory) >= most:
                 memory.clear()
             memory[key] = values
             return values
@@ -151,8 +155,9 @@ def of_task(
         run = compiler.run(node)
         if model.features[index].kind is Kind.BOOL:
             run = _as_number(run)
-        masks[index] = compiler.depends(node)
-        steps[index] = Step(first + index, masks[index], {}, run, frozenset(_features(node)))
+        mask = masks[index] = compiler.depends(node)
+        uses = frozenset(_features(node))
+        steps[index] = Step(first + index, mask, {}, kept_of(mask), run, uses)
     return Features(task, model, steps, first)
 
 

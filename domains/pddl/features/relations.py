@@ -2,12 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
+from dataclasses import dataclass
 from functools import reduce
 from typing import TYPE_CHECKING, cast
 
 from domains.pddl.features import rows
-from domains.pddl.features.rows import Mask, Row, Rows, bits_of
+from domains.pddl.features.images import (
+    REMEMBERED,
+    Image,
+    by_components,
+    by_rows,
+    image_of,
+    reached,
+    remembering,
+    steps,
+)
+from domains.pddl.features.rows import Mask, Rows, bits_of
+from domains.pddl.features.sources import Changing, Fixed
 from sketchlang.checking.typed import MANY, OPEN, Node
 
 if TYPE_CHECKING:
@@ -56,35 +68,73 @@ def compiled(compiler: Compiler, node: Node) -> Run:
     )
 
 
-def row_of(compiler: Compiler, node: Node) -> Callable[[Frame], Row]:
-    """A relation as a function of its left side: where a predicate of the state has its rows at
-    hand, they are not gathered first."""
+@dataclass(frozen=True)
+class Related:
+    """A relation as its images. `of` takes a frame and returns a key, equal where the relation is
+    the same (None where nobody knows), and the images; of the relation itself, no more is made than
+    is asked for. `symmetric`: every such relation is."""
+
+    of: Callable[[Frame], tuple[Hashable, Image]]
+    symmetric: bool = False
+
+
+def related(compiler: Compiler, node: Node, turned: bool = False) -> Related:
+    """The images of a relation, or `turned` of its inverse."""
+    if node.kind == "inverse":
+        return related(compiler, node.parts[0], not turned)
+    if node.kind == "restrict":
+        return _restricted(compiler, node, turned)
     if node.kind == "image" and not node.parts:
         where = compiler.source(compiler.meanings[node.value[0]])  # type: ignore[index]
+        if isinstance(where, Fixed):
+            always = 0, where.preimage if turned else where.image
+            return Related(lambda frame: always, where.symmetric)
+        if not turned:
+            return Related(lambda frame: _of_state(where, frame[0]))
+    run, mask, known = compiler.run(node), compiler.depends(node), not node.free
+    if known and not mask:
+        table: Rows = run([0] * (compiler.first_feature + 1))
+        image = image_of(rows.inverse(table) if turned else table)
+        return Related(lambda frame: (0, image))
 
-        def of_state(frame: Frame) -> Row:
-            bits, last = frame[0], where.last
-            return lambda element: last(bits, (element,))
+    def of_frame(frame: Frame) -> tuple[Hashable, Image]:
+        found: Rows = run(frame)
+        image = by_rows(rows.inverse(found) if turned else found)
+        return (frame[0] & mask if known else None), image
 
-        return of_state
-    if node.kind == "restrict":
-        return _restricted_rows(compiler, node)
-    run = compiler.run(node)
-    return lambda frame: rows.getter(run(frame))
+    return Related(of_frame)
 
 
-def _restricted_rows(compiler: Compiler, node: Node) -> Callable[[Frame], Row]:
-    """The rows of a restricted relation, of which only those are made that are asked for."""
-    relation = row_of(compiler, node.parts[0])
-    start = compiler.run(node.parts[1])
-    end = compiler.run(node.parts[2]) if len(node.parts) == 3 else None
+def _of_state(where: Changing, bits: Mask) -> tuple[Hashable, Image]:
+    last = where.last
 
-    def of_frame(frame: Frame) -> Row:
-        row, first = relation(frame), start(frame)
-        last = -1 if end is None else end(frame)
-        return lambda element: row(element) & last if first >> element & 1 else 0
+    def image(start: Mask) -> Mask:
+        found = 0
+        for element in bits_of(start):
+            found |= last(bits, (element,))
+        return found
 
-    return of_frame
+    return bits & where.mask, image
+
+
+def _restricted(compiler: Compiler, node: Node, turned: bool) -> Related:
+    relation = related(compiler, node.parts[0], turned)
+    inner = relation.of
+    sides = [compiler.run(part) for part in node.parts[1:]]
+    if len(sides) == 1:
+        sides.append(lambda frame: -1)
+    first, second = reversed(sides) if turned else sides
+
+    def of_frame(frame: Frame) -> tuple[Hashable, Image]:
+        key, image = inner(frame)
+        start, end = first(frame), second(frame)
+        return (
+            None if key is None else (key, start, end),
+            lambda elements: image(elements & start) & end,
+        )
+
+    same = len(node.parts) == 3 and node.parts[1] == node.parts[2]
+    return Related(of_frame, relation.symmetric and same)
 
 
 def _apply(compiler: Compiler, node: Node) -> Run:
@@ -95,46 +145,43 @@ def _apply(compiler: Compiler, node: Node) -> Run:
     left, right = (
         None if kind == OPEN else _as_mask(next(given), kind == MANY) for kind in pattern
     )
+    sign = node.kind[5:]
     if left is not None:
-        after = _after(row_of(compiler, relation), left, node.kind[5:])
+        after = _after(related(compiler, relation), left, sign)
         if right is None:
             return after
         end = right
         return lambda frame: bool(after(frame) & end(frame))
     assert right is not None
-    run, wanted = compiler.run(relation), right
-    if node.kind == "apply":
-
-        def before(frame: Frame) -> Mask:
-            end, found = wanted(frame), 0
-            for element, row in run(frame).items():
-                if row & end:
-                    found |= 1 << element
-            return found
-
-        return before
-
-    def other_way(frame: Frame) -> Row:
-        return rows.getter(rows.inverse(run(frame)))
-
-    return _after(other_way, right, node.kind[5:])
+    return _after(related(compiler, relation, turned=True), right, sign)
 
 
 def _as_mask(run: Run, many: bool) -> Run:
     return run if many else lambda frame: 1 << run(frame)
 
 
-def _after(row: Callable[[Frame], Row], start: Run, sign: str) -> Run:
+def _after(relation: Related, start: Run, sign: str) -> Run:
+    of = relation.of
     if sign == "":
-        return lambda frame: rows.image(row(frame), start(frame))
-    if sign == "+":
-        return lambda frame: rows.reached(row(frame), start(frame))
+        return lambda frame: of(frame)[1](start(frame))
+    reach = by_components() if relation.symmetric else remembering()
 
     def reflexive(frame: Frame) -> Mask:
+        key, image = of(frame)
         elements: Mask = start(frame)
-        return elements | rows.reached(row(frame), elements)
+        return elements | reached(image, elements) if key is None else reach(key, image, elements)
 
-    return reflexive
+    if sign == "*":
+        return reflexive
+
+    def transitive(frame: Frame) -> Mask:
+        key, image = of(frame)
+        following = image(start(frame))
+        if key is None:
+            return following | reached(image, following)
+        return reach(key, image, following)
+
+    return transitive
 
 
 def _distance(compiler: Compiler, node: Node) -> Run:
@@ -144,18 +191,29 @@ def _distance(compiler: Compiler, node: Node) -> Run:
     if not compiler.depends(relation) and not relation.free:
         table: Rows = run([0] * (compiler.first_feature + 1))
         return _measured(table, start, end)
+    of = related(compiler, relation).of
+    memory: dict[Hashable, int] = {}
 
     def searched(frame: Frame) -> int:
-        found: Rows = run(frame)
-        otherwise = rows.size(found) + 1
-        return rows.steps(rows.getter(found), start(frame), end(frame), otherwise)
+        key, image = of(frame)
+        asked = key, start(frame), end(frame)
+        number = memory.get(asked)
+        if number is None or key is None:
+            number = steps(image, asked[1], asked[2])
+            if number is None:
+                number = rows.size(run(frame)) + 1
+            if key is not None:
+                if len(memory) >= REMEMBERED:
+                    memory.clear()
+                memory[asked] = number
+        return number
 
     return searched
 
 
 def _measured(table: Rows, start: Run, end: Run) -> Run:
     """Distances in a relation that never changes: the layers around an element are kept."""
-    row, otherwise = rows.getter(table), rows.size(table) + 1
+    image, otherwise = image_of(table), rows.size(table) + 1
     layers: dict[int, list[Mask]] = {}
 
     def around(element: int) -> list[Mask]:
@@ -165,7 +223,7 @@ def _measured(table: Rows, start: Run, end: Run) -> Run:
             found = []
             while frontier:
                 found.append(frontier)
-                frontier = rows.image(row, frontier) & ~seen
+                frontier = image(frontier) & ~seen
                 seen |= frontier
             layers[element] = found
         return found

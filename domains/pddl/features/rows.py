@@ -39,28 +39,6 @@ def image(row: Row, start: Mask) -> Mask:
     return found
 
 
-def reached(row: Row, start: Mask) -> Mask:
-    """What can be reached from a set in one step or more."""
-    found, frontier = 0, start
-    while frontier:
-        following = image(row, frontier)
-        frontier = following & ~found
-        found |= following
-    return found
-
-
-def steps(row: Row, start: Mask, end: Mask, otherwise: int) -> int:
-    """The fewest steps from one set to another; `otherwise` where there is no way."""
-    seen, frontier, number = start, start, 0
-    while frontier:
-        if frontier & end:
-            return number
-        number += 1
-        frontier = image(row, frontier) & ~seen
-        seen |= frontier
-    return otherwise
-
-
 def inverse(rows: Rows) -> dict[int, Mask]:
     """The rows the other way round."""
     found: dict[int, Mask] = {}
@@ -80,7 +58,15 @@ def getter(rows: Rows) -> Row:
 def closure(rows: Rows) -> dict[int, Mask]:
     """The transitive closure."""
     row = getter(rows)
-    return {start: reached(row, 1 << start) for start in rows}
+    found = {}
+    for start in rows:
+        seen, frontier = 0, 1 << start
+        while frontier:
+            following = image(row, frontier)
+            frontier = following & ~seen
+            seen |= following
+        found[start] = seen
+    return found
 
 
 def identity(mask: Mask) -> dict[int, Mask]:

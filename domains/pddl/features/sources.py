@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
+from domains.pddl.features.images import Image, image_of
 from domains.pddl.features.rows import Mask, bits_of, of_pairs
 from domains.pddl.ground.layout import Box
 from domains.pddl.ground.reach import Values
@@ -83,6 +84,21 @@ class Fixed:
     def columns(self) -> dict[int, Mask]:
         """Of two arguments: what the first can be, by the last."""
         return of_pairs((values[1], values[0]) for values in self.atoms)
+
+    @cached_property
+    def image(self) -> Image:
+        """Of two arguments: what a set is related to, ..."""
+        return image_of(self._rows)
+
+    @cached_property
+    def preimage(self) -> Image:
+        """... and what is related to a set."""
+        return image_of(self.columns)
+
+    @cached_property
+    def symmetric(self) -> bool:
+        """Whether two arguments can be exchanged."""
+        return self._rows == self.columns
 
     def holds(self, _bits: int, values: Values) -> bool:
         """Whether an atom is true."""
