@@ -17,6 +17,7 @@ from domains.pddl.features import quantifiers, relations, rows
 from domains.pddl.features.called import function_of
 from domains.pddl.features.rows import Mask, Rows, bits_of
 from domains.pddl.features.sources import (
+    NARROW,
     Changing,
     Fixed,
     Source,
@@ -280,9 +281,9 @@ class Compiler:
                 return lambda frame: bool(after(frame) & given[1](frame))
             return lambda frame: bool(after(frame) >> given[1](frame) & 1)
         end = given[0]
-        if pattern[1] == ONE and isinstance(where, Changing):
-            return _column(where, end)
         many = pattern[1] == MANY
+        if isinstance(where, Changing) and (not many or where.box.widths[1] <= NARROW):
+            return _column(where, end if many else lambda frame: 1 << end(frame))
         if isinstance(where, Fixed):
             preimage, columns = where.preimage, rows.getter(where.columns)
             if many:
@@ -302,21 +303,10 @@ class Compiler:
 
 
 def _column(where: Changing, end: Run) -> Run:
-    """The set of `x` with `p(x, end)`: one bit of every row."""
-    box = where.box
-    (low, columns), (height, width) = box.lows, box.widths
-    first = sum(1 << row * width for row in range(height)) << box.offset
-
-    def column(frame: Frame) -> Mask:
-        place = end(frame) - columns
-        if not 0 <= place < width:
-            return 0
-        found = 0
-        for bit in bits_of(frame[0] & first << place):
-            found |= 1 << low + (bit - box.offset) // width
-        return found
-
-    return column
+    """The set of `x` with `p(x, y)` for a `y` of a set: some bits of every row."""
+    first_arguments, columns = where.first_arguments, where.box.lows[1]
+    full = (1 << where.box.widths[1]) - 1
+    return lambda frame: first_arguments(frame[0], end(frame) >> columns & full)
 
 
 def _holds(where: Source, given: list[Run]) -> Run:

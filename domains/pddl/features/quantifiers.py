@@ -11,7 +11,6 @@ from sketchlang.checking.typed import ONE, OPEN, Node
 
 if TYPE_CHECKING:
     from domains.pddl.features.compiler import Compiler, Frame, Run
-    from domains.pddl.features.sources import WantedRows
 
 
 def compiled(compiler: Compiler, node: Node) -> Run:
@@ -176,7 +175,8 @@ def _of_rows(compiler: Compiler, node: Node, level: int) -> Run | None:
         return None
     wanted = compiler.wanted_rows(node)
     if wanted is not None:
-        return _wanted_rows(wanted)
+        lacking = wanted.lacking
+        return lambda frame: ~lacking(frame[0])
     first, second = (compiler.row_source(part) for part in node.parts)
     if first is None or second is None:
         return None
@@ -187,20 +187,6 @@ def _of_rows(compiler: Compiler, node: Node, level: int) -> Run | None:
         for element, row in rows(bits).items():
             if row & ~last(bits, (element,)):
                 broken |= 1 << element
-        return ~broken
-
-    return run
-
-
-def _wanted_rows(wanted: WantedRows) -> Run:
-    never, mask, owners = wanted.never, wanted.mask, wanted.owners
-
-    def run(frame: Frame) -> Mask:
-        missing, broken = mask & ~frame[0], never
-        while missing:
-            low = missing & -missing
-            broken |= owners[low]
-            missing ^= low
         return ~broken
 
     return run

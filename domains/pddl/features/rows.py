@@ -9,6 +9,9 @@ Rows = Mapping[int, Mask]
 Row = Callable[[int], Mask]
 """What an object is related to."""
 
+FEW = 32
+"""Fewer bits of a mask than this are looked at one by one."""
+
 
 def bits_of(mask: Mask) -> Iterator[int]:
     """The places of a mask's ones, from the lowest."""
@@ -16,6 +19,20 @@ def bits_of(mask: Mask) -> Iterator[int]:
         low = mask & -mask
         yield low.bit_length() - 1
         mask ^= low
+
+
+def strided(mask: Mask, stride: int) -> Mask:
+    """Every so many-th bit of a mask: bit `i` of the result is bit `i * stride`."""
+    if stride == 1:
+        return mask
+    if mask.bit_count() < FEW:
+        found = 0
+        for bit in bits_of(mask):
+            if not bit % stride:
+                found |= 1 << bit // stride
+        return found
+    # Text can be cut in strides; whole numbers cannot.
+    return int(bin(mask)[:1:-1][::stride][::-1], 2)
 
 
 def of_pairs(pairs: Iterable[tuple[int, int]]) -> dict[int, Mask]:

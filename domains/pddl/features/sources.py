@@ -7,10 +7,17 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from domains.pddl.features.images import Image, image_of
-from domains.pddl.features.rows import Mask, bits_of, of_pairs
+from domains.pddl.features.rows import Mask, bits_of, of_pairs, strided
 from domains.pddl.ground.layout import Box
 from domains.pddl.ground.reach import Values
 from domains.pddl.ground.task import GroundTask
+
+NARROW = 64
+"""Where the last of two arguments can be at most so many, what the first can be is computed of all
+rows at once ..."""
+
+MANY_ROWS = 32
+"""... if there are more of them than this."""
 
 
 @dataclass(frozen=True)
@@ -47,6 +54,21 @@ class Changing:
             rows[low + place] = row << columns
             block ^= row << place * width
         return rows
+
+    @cached_property
+    def _firsts(self) -> Mask:
+        """Of two arguments: the first place of every row."""
+        height, width = self.box.widths
+        return sum(1 << row * width for row in range(height))
+
+    def first_arguments(self, bits: int, places: Mask) -> Mask:
+        """Of two arguments: what the first can be where the last is at one of some places of a
+        row."""
+        box, found = self.box, 0
+        block = bits >> box.offset
+        for place in bits_of(places):
+            found |= block >> place & self._firsts
+        return strided(found, box.widths[1]) << box.lows[0]
 
     def last(self, bits: int, values: Values) -> Mask:
         """What the last argument can be after given ones."""
@@ -122,27 +144,34 @@ Source = Changing | Fixed
 
 @dataclass(frozen=True)
 class WantedRows:
-    """The atoms `q(x, y)` for all `p(x, y)` of a `p` that never changes: their bits, of which
-    `owners` tells the set of the one `x` for each. `never` is the set of the x that want an atom
-    which can never be true."""
+    """The atoms `q(x, y)` for all `p(x, y)` of a `p` that never changes: their bits are `mask`.
+    `never` is the set of the x that want an atom which can never be true."""
 
+    source: Changing
     never: Mask
     mask: Mask
-    owners: dict[Mask, Mask]
+
+    def lacking(self, bits: int) -> Mask:
+        """The x of which an atom is not true."""
+        missing, box = self.mask & ~bits, self.source.box
+        if missing.bit_count() > MANY_ROWS and box.widths[1] <= NARROW:
+            return self.never | self.source.first_arguments(missing, (1 << box.widths[1]) - 1)
+        found = self.never
+        for bit in bits_of(missing):
+            found |= 1 << box.lows[0] + (bit - box.offset) // box.widths[1]
+        return found
 
 
 def wanted_rows(first: Fixed, second: Changing) -> WantedRows:
     """What `p(x, _) <= q(x, _)` asks for."""
     never = mask = 0
-    owners: dict[Mask, Mask] = {}
     for values in first.atoms:
         place = second.box.bit(values)
         if place is None:
             never |= 1 << values[0]
         else:
-            owners[1 << place] = 1 << values[0]
             mask |= 1 << place
-    return WantedRows(never, mask, owners)
+    return WantedRows(second, never, mask)
 
 
 def source(task: GroundTask, predicate: str, goal: bool) -> Source:
