@@ -21,6 +21,12 @@ PLAY = 0.003
 SIDEWAYS = 0.02
 """Metres added on both sides of hand and arm: where less is left, few postures come through."""
 
+APPROACH = 0.10
+"""Metres of the straight line in; the fingers are clear of the object behind it."""
+
+LIFT = 0.03
+"""Metres that an object is lifted before the hand draws back with it."""
+
 CLOSING = 6
 """Openings at which fingers that always open fully are looked at while they close."""
 
@@ -79,10 +85,14 @@ class Hand:
     def workspace(self, family: int, height: float) -> tuple[float, float, float] | None:
         """Where the wrist has to be for a grasp centre at a height above the floor: how far
         behind the centre it is, and from where to where from the shoulder axis; None where the
-        arm does not reach, or where the hand would be in the floor."""
+        arm does not reach, or where the hand would be in the floor. What comes down from above
+        gets up again as well."""
         if height < self._below(family):
             return None
         inner, outer, wrist = self.robot.workspace(FAMILY[family], height)
+        if family == TOP:
+            least, most, _ = self.robot.workspace(FAMILY[family], height + APPROACH + LIFT)
+            inner, outer = max(inner, least), min(outer, most)
         return (wrist, inner, outer) if outer > inner else None
 
 

@@ -19,6 +19,7 @@ from domains.tabletop.faces import faces_of
 from domains.tabletop.features import swept
 from domains.tabletop.features.goals import LATTICE, GoalSites
 from domains.tabletop.features.swept import HEADINGS, STEP
+from domains.tabletop.features.towers import storeys, with_room
 from domains.tabletop.features.words import WordGoals
 from domains.tabletop.ground import Ground
 from domains.tabletop.hand import Hand, hand_of
@@ -685,13 +686,16 @@ class TabletopWorld:
         return self._best_of(index, goal, here)
 
     def _best_of(self, index: int, goal: AnyGoal, here: Arrangement) -> GoalSites | None:
-        """Of several goals one that holds, else the one with the fewest obstructions."""
+        """Of several goals one that holds, else the one with the fewest obstructions; not one that
+        leaves no room for what is to stand on the object."""
         choices = [
             self.sites_of(index, each, here)
             for each in goal.alternatives
             if not isinstance(each, HeldGoal)
         ]
         placement = here.placements[index]
+        if storeys(self, index):
+            choices = list(with_room(here, index, choices))
         for sites in choices:
             if placement is not None and sites.holds(placement):
                 return sites

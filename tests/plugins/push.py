@@ -9,8 +9,9 @@ from domains.tabletop import Object
 from domains.tabletop import domain as tabletop
 from domains.tabletop.actions.actions import MoveBase
 from domains.tabletop.actions.executability import within_reach
-from domains.tabletop.actions.reach import APPROACH, held_parts
+from domains.tabletop.actions.reach import held_parts
 from domains.tabletop.features.functions import arrangement, misplaced
+from domains.tabletop.hand import APPROACH
 from domains.tabletop.sampling.bases import BaseSampler
 from domains.tabletop.state import SIDE, Grasp, Placement
 from runtime.motion.motion import ArmMove, Carried, GripperMove

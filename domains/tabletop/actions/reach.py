@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from domains.tabletop.hand import Hand
+from domains.tabletop.hand import APPROACH, LIFT, Hand
 from domains.tabletop.items import Item
 from domains.tabletop.state import TOP, Grasp
 from runtime.kernels import ik
@@ -24,13 +24,9 @@ from runtime.robot.model import Floats, RobotModel
 from runtime.world.body import Part
 from runtime.world.poses import Pose, compose, invert
 
-APPROACH = 0.10
-"""Metres of the straight line in; the fingers are clear of the object behind it."""
-
 HEADROOM = 0.01
 """Metres above others of its height to which something is drawn out."""
 
-LIFT = 0.03
 LINE_STEP = 0.02
 MAX_TURN = 0.25
 """Radians that a joint may turn in one step of a line: more means another branch."""

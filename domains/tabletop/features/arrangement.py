@@ -25,6 +25,7 @@ from domains.tabletop.features.clearing import NEVER
 from domains.tabletop.features.goals import GoalSites
 from domains.tabletop.features.harmless import SiteTable
 from domains.tabletop.features.swept import HEADINGS, STEP
+from domains.tabletop.features.towers import serving
 from domains.tabletop.footprints import footprints_meet
 from domains.tabletop.loads import load_of, tall
 from domains.tabletop.state import Grasp, Placement
@@ -400,7 +401,9 @@ class Arrangement:
         """The same, with one more object thought to be there."""
         families = self.world.families if grasp is None else (grasp.family,)
         if self.waits(goal):
-            return self._of_picking(index, families, extra) if self.present[index] else 0
+            if not self.present[index]:
+                return 0
+            return self._of_picking(index, serving(self, index, families), extra)
         if len(self.world.faces[index]) > 1:
             faces = faces_at(self.world, index, goal)
             if faces != (0,) or self._face(index, grasp):
@@ -476,7 +479,8 @@ class Arrangement:
             fewest = min(fewest, int(swept.residue_minima(counts, none, plus, 1).min()))
         if 0 < fewest < swept.UNREACHABLE:
             cost = int((self.costs if extra is None else extra.costs)[index])
-            return cost if cost < NEVER else swept.UNREACHABLE + fewest
+            # The cost is that of the cheapest family, which may not be among these.
+            return max(cost, fewest) if cost < NEVER else swept.UNREACHABLE + fewest
         return fewest
 
     def _of_family(

@@ -35,6 +35,9 @@ MOST = 100
 """Bins of a support that are looked at, and four for each placement that is wanted, however
 large it is."""
 
+ROUNDS = 3
+"""So many places are looked at in every bin of a support, at least; more where it is small."""
+
 BIN = 0.1
 """Placements fall into the least filled bins of this size, in metres, as published."""
 
@@ -218,16 +221,17 @@ class PlacementSampler:
             return []
         radius = item.outer_radius if turns is None else item.inner_radius
         found: list[Placement] = []
-        for turn in range(3):
+        bins = math.prod(_bins(spans))
+        for _ in range(max(ROUNDS, MOST // bins)):
             for lx, ly in islice(self._by_load(draw, support, spans), MOST + 4 * number):
                 x, y = ground.outside(lx, ly)
                 site = _moved(frame, x, y, ground.height)
                 if self._is_taken(draw, site, radius, ground.owner):
                     continue
                 free = self._free_at(draw, site)
-                if not free and turn < 2:
+                if not free:
                     continue
-                yaw = self._heading(draw, free, turns, frame[3], turn == 2)
+                yaw = self._heading(draw, free, turns, frame[3])
                 if yaw is None or (turns and not self._fits(draw, support, x, y, yaw)):
                     continue
                 found.append(Placement.of(x, y, yaw, support, grasp.face))
@@ -240,7 +244,7 @@ class PlacementSampler:
     ) -> Iterator[tuple[float, float]]:
         """A random point of every bin of a support, in its frame, least filled bins first."""
         ground, rng = self.world.grounds[support], draw.rng
-        bins = [max(1, int(2 * span / BIN)) for span in spans]
+        bins = _bins(spans)
         load = np.zeros(bins[0] * bins[1])
         for placement in draw.state.placements:
             if placement is not None and placement.support == support:
@@ -269,17 +273,16 @@ class PlacementSampler:
         return bool(swept.nearest_static(site[0], site[1], world.statics, low, high) < radius)
 
     def _heading(
-        self, draw: Draw, free: int, turns: list[float] | None, frame: float, desperate: bool
+        self, draw: Draw, free: int, turns: list[float] | None, frame: float
     ) -> float | None:
         """A heading, in the frame of the support, with which the held object's grasp comes in
-        along one of the free headings; any one where that does not matter any more."""
+        along one of the free headings."""
         _, grasp = draw.held
         if turns is None:
-            k = pick_headings(free or swept.ALL, 1, draw.rng)[0]
+            k = pick_headings(free, 1, draw.rng)[0]
             return k * STEP + draw.jitter() - grasp.heading - frame
         fitting = [t for t in turns if (free >> heading_bit(t + frame + grasp.heading)) & 1]
-        chosen = fitting or (turns if desperate else [])
-        return chosen[int(draw.rng.integers(len(chosen)))] if chosen else None
+        return fitting[int(draw.rng.integers(len(fitting)))] if fitting else None
 
     def _fits(self, draw: Draw, support: int, x: float, y: float, yaw: float) -> bool:
         """Whether the held object, lying there so, is clear of other objects and of what is
@@ -308,6 +311,11 @@ class PlacementSampler:
         )[0]  # fmt: skip
         wanted = swept.ALL & ~int(np.bitwise_or.reduce(barred)) if len(barred) else swept.ALL
         return int(world.reachable(site[None], own, hold, grasp.family, wanted)[0])
+
+
+def _bins(spans: list[float]) -> list[int]:
+    """How many bins a region has along both of its sides, of which these are the halves."""
+    return [max(1, int(2 * span / BIN)) for span in spans]
 
 
 def _moved(frame: tuple[float, float, float, float], x: float, y: float, z: float) -> Floats:

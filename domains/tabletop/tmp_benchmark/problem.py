@@ -25,6 +25,9 @@ if TYPE_CHECKING:
 
 GRASPS = ("side", "top")
 
+MESHES = "meshes"
+"""What folders with meshes are called, or end with."""
+
 FLAT = 0.003
 """Metres: what is not higher is a mark on what it lies on, or a picture on a side."""
 
@@ -119,7 +122,8 @@ class Problem:
 
 
 def read_problem(path: Path) -> Problem:
-    """Read a problem; its meshes are in the folder `meshes` beside the file.
+    """Read a problem; its meshes are in a folder `meshes` or `..._meshes` beside the file or
+    beside its folder.
 
     Raises:
         InputError: it cannot be read, or a thing leans.
@@ -179,9 +183,7 @@ class _Reader:
     def thing(self, element: Element) -> Thing:
         name = self.text(element, "name", "an <obj>")
         at, yaw = self.pose(element, "pose", name)
-        mesh = self.path.parent / "meshes" / self.text(element, "geom", name)
-        if not mesh.is_file():
-            raise self.error(name, f"has a mesh that is not there: {mesh}")
+        mesh = self.mesh(name, self.text(element, "geom", name))
         grasps = {grasp.get("type", "") for grasp in element.iter("gc")}
         for unknown in sorted(grasps - set(GRASPS)):
             hint = did_you_mean(unknown, GRASPS) or f"known are {' and '.join(GRASPS)}"
@@ -195,6 +197,21 @@ class _Reader:
             movable=self.text(element, "moveable", name, "false") == "true",
             grasps=frozenset(grasps),
             region=None if region is None else self.region(region, name),
+        )
+
+    def mesh(self, name: str, file: str) -> Path:
+        """Where a mesh is: the files have lain in two ways, together and by kind."""
+        beside = self.path.absolute().parent
+        folders = [beside / MESHES]
+        for folder in (beside, beside.parent):
+            folders += sorted(folder.glob(f"*_{MESHES}"))
+        for folder in folders:
+            if (folder / file).is_file():
+                return folder / file
+        raise self.error(
+            name,
+            f"has a mesh that is not there: {file}",
+            f"meshes are in {MESHES} or ..._{MESHES}, beside the file or beside its folder",
         )
 
     def region(self, element: Element, name: str) -> Region:

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
+from domains.tabletop.state import FAMILIES
 from domains.tabletop.tmp_benchmark.problem import FLAT, Problem, Thing
 from domains.tabletop.tmp_benchmark.wanted import Wanted
 from runtime.world.solids import Floats
@@ -84,8 +85,10 @@ def scene_of(
     _separate(scene)
     x, y, yaw = start or problem.start
     grasps = sorted({grasp for thing in problem.movable() for grasp in thing.grasps})
+    if any_grasp:
+        grasps = list(FAMILIES)
     lines = [f"robot_start = {_list([x, y, math.degrees(yaw)])}"]
-    if grasps and not any_grasp:
+    if grasps:
         lines.append(f"approaches = [{', '.join(map(_text, grasps))}]")
     for thing in problem.fixed():
         lines += ["", *_furniture(scene, thing)]
