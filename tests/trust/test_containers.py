@@ -120,7 +120,8 @@ def test_plan_validate_replay_and_execute(folder, tmp_path) -> None:
             check=False,
         )
         assert done.returncode == 0, done.stderr
-        assert done.stderr.count("compiled kernels") == 1
+        # Judge, page and physics need none.
+        assert done.stderr.count("compiled kernels") == (arguments[0] == "run")
         assert "Traceback" not in done.stderr
 
     call("run", "pick_and_place", "sorting/3t-02", "--out", "plan.json")
