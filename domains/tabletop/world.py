@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from domains.tabletop import aslant
 from domains.tabletop.faces import faces_of
 from domains.tabletop.features import swept
 from domains.tabletop.features.goals import LATTICE, GoalSites
@@ -34,7 +35,7 @@ from domains.tabletop.scene.model import (
     Scene,
     SceneObject,
 )
-from domains.tabletop.state import UNIT, BasePose, Grasp, Placement, State, quantise_angle
+from domains.tabletop.state import SLANT, UNIT, BasePose, Grasp, Placement, State, quantise_angle
 from runtime.kernels import plane
 from runtime.kernels.convex import Obstacles, boxes_only, join
 from runtime.motion.roads import Roads
@@ -145,10 +146,11 @@ class TabletopWorld:
             before.robot is robot
             and before.scene.objects is scene.objects
             and before.scene.world.movables is scene.world.movables
-            and before.families == scene.families
+            and before.scene.families == scene.families
+            and before.scene.aslant == scene.aslant
         )
         known = before if alike else None
-        return cls(
+        world = cls(
             scene=scene,
             robot=robot,
             items=items if known is None else known.items,
@@ -160,12 +162,16 @@ class TabletopWorld:
             starts=tuple(start for _, start in made),
             grounds=grounds_of(scene, items),
             hand=hand_of(robot) if known is None else known.hand,
-            families=scene.families,
+            families=scene.families if known is None else known.families,
             statics=statics,
             roads=roads,
             room=room_around(statics, roads.clearance, *room),
             memory=Memory() if known is None else known.memory.of_tables(OF_THE_HAND),
         )
+        if known is None and scene.aslant:
+            more = replace(world, families=(*scene.families, SLANT), memory=Memory())
+            return more if aslant.is_wanted(world, more) else world
+        return world
 
     @cached_property
     def initial(self) -> State:

@@ -71,7 +71,7 @@ def test_things_are_carried_aslant_and_the_plan_is_certified(tmp_path, robot) ->
     assert verdict.valid, [finding.message for finding in verdict.findings]
 
 
-def test_they_are_thought_of_only_where_a_scene_says_so(tmp_path) -> None:
+def test_they_are_not_thought_of_where_the_others_do(tmp_path) -> None:
     path = tmp_path / "scene.toml"
     path.write_text("robot_start = [-0.5, 0.0, 0.0]\n" + TABLES + THINGS)
     assert load_scene(path).families == USUAL
@@ -104,3 +104,44 @@ def test_hands_that_would_be_in_the_floor_do_not_count(tmp_path) -> None:
     assert ways[0][0] == 0
     assert ways[0][1] != 0
     assert ways[1][0] != 0
+
+
+LOW = """
+robot_start = [0.0, -1.0, 90.0]
+{approaches}
+[[table]]
+name = "table"
+at = [0.0, 0.6]
+size = [1.6, 0.8]
+top = 0.72
+[[shelf]]
+name = "rack"
+at = [2.2, -0.5]
+yaw = 90.0
+size = [1.4, 0.4]
+boards = [0.75, 1.1]
+thickness = 0.02
+[[object]]
+name = "tin"
+shape = "cylinder"
+radius = 0.035
+height = 0.05
+at = [0.0, 0.55]
+[[goal]]
+object = "tin"
+on = "rack/1"
+"""
+
+
+@pytest.mark.parametrize("robot", ["tiago", "franka_mobile"])
+def test_they_join_where_something_hardly_gets_to_its_goal_otherwise(tmp_path, robot) -> None:
+    path = tmp_path / "scene.toml"
+    path.write_text(LOW.format(approaches='approaches = ["side", "top", "pinch"]'))
+    model = load_robot(robot)
+    assert SLANT not in TabletopWorld.of(load_scene(path), model).families
+    path.write_text(LOW.format(approaches=""))
+    assert TabletopWorld.of(load_scene(path), model).families == (*USUAL, SLANT)
+    task = open_task(load_sketch("pick_and_place").checked, str(path), 0, robot)
+    result = task.solve(Limits(timeout=60))
+    assert result.solved, result.outcome.reason
+    assert result.plan.validate().valid

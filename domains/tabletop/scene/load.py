@@ -54,6 +54,7 @@ def load_scene(path: Path, name: str | None = None) -> Scene:
         wanted.goals,
         wanted.word,
         families,
+        aslant=not root.has("approaches"),
     )
 
 

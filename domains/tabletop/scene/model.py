@@ -171,6 +171,7 @@ class Scene:
     goals: dict[int, Goal]
     word: WordGoal | None
     families: tuple[int, ...] = (0, 1, 2)
+    aslant: bool = False
 
     @property
     def name(self) -> str:
