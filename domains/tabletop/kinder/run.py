@@ -20,6 +20,7 @@ from domains.tabletop.kinder.start import free_start
 from domains.tabletop.scene.load import load_scene
 from runtime.robot.load import load_robot
 from runtime.solve import Task, open_task
+from sketchlang.errors import InputError
 from sketchlang.loader import load_sketch
 from sketchlang.reading import recording
 
@@ -59,7 +60,11 @@ def run_problem(kinder: KinderProcess, robot: Path, env: str, seed: int, timeout
     began = time.process_time()
     problem = problem_of(env, seen)
     with tempfile.TemporaryDirectory() as folder:
-        task, backed = _opened(problem, seen, Path(folder), robot, seed)
+        try:
+            task, backed = _opened(problem, seen, Path(folder), robot, seed)
+        except InputError as error:  # one start that no scene can say is one failure
+            said = str(error).splitlines()[0].replace(folder, "").lstrip("/")
+            return Record(env, seed, False, False, 0.0, 0.0, 0, 0, 0, 0.0, f"no scene: {said}")
         task.reporting.warm_up()
         loaded = time.process_time()
         result = task.solve(Limits(timeout=timeout))

@@ -66,9 +66,10 @@ def test_all_environments_are_read_and_no_others() -> None:
 
 @pytest.mark.parametrize("seed", range(5))
 def test_what_nearly_touches_is_told_smaller(seed) -> None:
-    """Cubes in a row, some of them next to each other: then there are 2.5 mm between all."""
+    """Cubes in a row, some of them next to each other or a hair in one another: then there are
+    2.5 mm between all."""
     rng = np.random.default_rng(seed)
-    gaps = rng.choice([1e-5, 1e-3, 0.004], 5)
+    gaps = rng.choice([-1e-4, 1e-5, 1e-3, 0.004], 5)
     x, things = 0.0, {}
     for i, gap in enumerate(gaps.tolist()):
         half = float(rng.uniform(0.01, 0.03))
@@ -82,5 +83,5 @@ def test_what_nearly_touches_is_told_smaller(seed) -> None:
         assert gap_between(a, b) >= NEAR - 1e-9
     for before, after in zip(given, told, strict=True):
         assert before.position == after.position
-        assert before.half[0] - after.half[0] <= NEAR + 1e-9
+        assert before.half[0] - after.half[0] <= NEAR + 1e-4 + 1e-9
         assert before.half[2] == after.half[2]
