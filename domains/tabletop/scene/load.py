@@ -44,7 +44,8 @@ def load_scene(path: Path, name: str | None = None) -> Scene:
         World(
             name=name or path.stem,
             digest=_digest(path, document),
-            robot_start=(x, y, math.radians(yaw)),
+            # As states and plans have headings: in [0, 2 pi).
+            robot_start=(x, y, math.radians(yaw % 360.0)),
             fixed=tuple(furniture.fixed),
             movables=tuple(thing for thing in placed.movables if thing is not None),
             supports=tuple(placed.supports),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -16,10 +15,9 @@ from domains.tabletop.features.functions import (
 )
 from domains.tabletop.features.goals import GoalSites
 from domains.tabletop.features.swept import UNREACHABLE
-from domains.tabletop.ground import Ground
 from domains.tabletop.items import why_not
 from domains.tabletop.state import State
-from domains.tabletop.why import barriers
+from domains.tabletop.why import barriers, depth
 from domains.tabletop.why.blocking import Blame, as_data, in_words
 from domains.tabletop.why.crowded import crowded
 from domains.tabletop.why.finding import Finding, finding
@@ -31,17 +29,12 @@ from domains.tabletop.why.relaxed import (
     way_to_object,
 )
 from domains.tabletop.why.tested import can_pick, can_place
-from domains.tabletop.world import TabletopWorld
-from runtime.kernels.plane import point_distance
 from runtime.reporting import Solves
 from runtime.search.siw_r import End, Outcome
 from sketchlang.analysis.words import counted, listed
 
 if TYPE_CHECKING:
     from domains.tabletop.problem import TabletopProblem
-
-BESIDE = 0.05
-"""Metres from a support within which something that rises above it counts as its wall."""
 
 SECONDS = 0.8
 """What looking for smallest sets of things in the way may take."""
@@ -223,21 +216,4 @@ class _Stuck:
         )
 
     def _depth(self) -> str:
-        return walls(self.world, self.ground)
-
-
-def walls(world: TabletopWorld, ground: Ground) -> str:
-    """How deep a support is between things that stand around it, in words."""
-    if ground.owner is not None:
-        return ""
-    x, y = ground.outside(0.0, 0.0)
-    near = math.hypot(*ground.half) + BESIDE
-    depth = max(
-        (
-            float(row[2] + row[5]) - ground.height
-            for row in world.statics
-            if point_distance(row, x, y) < near and row[2] - row[5] < ground.height + BESIDE
-        ),
-        default=0.0,
-    )
-    return f" ({100 * depth:.0f} cm deep)" if depth > BESIDE else ""
+        return depth.in_words(self.world, self.ground)

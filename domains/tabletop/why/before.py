@@ -13,7 +13,7 @@ from domains.tabletop.features.goals import GoalSites
 from domains.tabletop.items import why_not
 from domains.tabletop.room import has_room
 from domains.tabletop.state import State
-from domains.tabletop.why import barriers
+from domains.tabletop.why import barriers, depth
 from domains.tabletop.why.blocking import Blame, as_data, in_words
 from domains.tabletop.why.contradictions import contradictions
 from domains.tabletop.why.finding import Finding, finding
@@ -21,7 +21,10 @@ from domains.tabletop.why.tested import can_pick, can_place
 from runtime.reporting import Solves
 
 if TYPE_CHECKING:
+    from domains.tabletop.ground import Ground
     from domains.tabletop.problem import TabletopProblem
+
+DEEP = "even with no other object about, no posture of the arm is free"
 
 SECONDS = 1.0
 """What looking for smallest sets of things in the way may take."""
@@ -83,13 +86,23 @@ class _Hopeless:
         resting = self.state.placements[self.index]
         assert resting is not None
         fixed = world.grounds[resting.support].owner is None
-        if fixed and not self._can_be_taken():
+        start = world.grounds[resting.support]
+        if fixed and depth.is_beyond_the_estimate(world, self.index, start):
+            if not can_pick(self.problem, self.alone, self.index):
+                where = f"{start.name}{depth.in_words(world, start)}"
+                text = f"{name} is out of reach on {where}: {DEEP}"
+                return finding(name, "out of reach", text)
+        elif fixed and not self._can_be_taken():
             found = barriers.to_object(world, self.alone, self.index)
             text = f"{name} is out of reach: {barriers.in_words(found)}"
             return self._finding("out of reach", text, found)
         taken = self._taken()
         if taken is not None:
             return taken
+        if fixed and self.goal.frame is None and self._is_too_deep(ground):
+            where = f"{ground.name}{depth.in_words(world, ground)}"
+            text = f"{name} cannot be put on {where}: {DEEP}"
+            return finding(name, "goal out of reach", text)
         if fixed and self.goal.frame is None and not self._reaches_goal():
             found = barriers.to_goal(world, self.alone, self.index, self.goal)
             text = f"the goal of {name} on {ground.name} is out of reach: "
@@ -118,6 +131,11 @@ class _Hopeless:
         # What never moves is the same with all else away: no other arrangement has to be made.
         here = arrangement(self.world, self.state.placements)
         return here.is_reachable(self.index) or can_pick(self.problem, self.alone, self.index)
+
+    def _is_too_deep(self, ground: Ground) -> bool:
+        return depth.is_beyond_the_estimate(self.world, self.index, ground) and not can_place(
+            self.problem, self.alone, self.index, self.goal
+        )
 
     def _reaches_goal(self) -> bool:
         here = arrangement(self.world, self.state.placements)
