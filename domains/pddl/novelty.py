@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
 
-from domains.pddl.features.rows import bits_of
-from domains.pddl.ground.task import GroundTask, mask_of
+from domains.pddl.features.rows import bits_of, mask_of
+from domains.pddl.ground.task import GroundTask
 from domains.pddl.state import State
 
 Families = tuple[Callable[[State], Iterable[Any]], ...]

@@ -15,7 +15,7 @@ from typing import Any
 
 from domains.pddl.features import quantifiers, relations, rows
 from domains.pddl.features.called import function_of
-from domains.pddl.features.rows import Mask, Rows, bits_of
+from domains.pddl.features.rows import Mask, Rows, bits_of, mask_of
 from domains.pddl.features.sources import (
     NARROW,
     Changing,
@@ -222,7 +222,7 @@ class Compiler:
         if kind in ("|", "&", "-") and node.type.is_relation:
             return _folded(parts, lambda a, b: rows.combined(kind, a, b))
         if kind == "list":
-            return lambda frame: _listed(part(frame) for part in parts)
+            return lambda frame: mask_of(part(frame) for part in parts)
         if kind == "subset" and node.parts[0].type.is_relation:
             first, second = parts
             return lambda frame: not rows.combined("-", first(frame), second(frame))
@@ -336,16 +336,9 @@ def _general(where: Source, pattern: tuple[str, ...], given: list[Run]) -> Run:
         return lambda frame: bool(fitting(frame))
     if len(places) == 1:
         (only,) = places
-        return lambda frame: _listed(values[only] for values in fitting(frame))
+        return lambda frame: mask_of(values[only] for values in fitting(frame))
     first, second = places
     return lambda frame: rows.of_pairs((values[first], values[second]) for values in fitting(frame))
-
-
-def _listed(elements: Any) -> Mask:
-    found = 0
-    for element in elements:
-        found |= 1 << element
-    return found
 
 
 def _folded(parts: list[Run], both: Callable[[Rows, Rows], Rows]) -> Run:

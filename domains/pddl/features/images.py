@@ -6,12 +6,9 @@ objects: the image of a whole set is then a shift for each distance, however lar
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable
+from collections.abc import Callable, Hashable
 
-from domains.pddl.features.rows import Mask, Rows, bits_of
-
-Image = Callable[[Mask], Mask]
-"""What the elements of a set are related to."""
+from domains.pddl.features.rows import Image, Mask, Rows, bits_of, by_rows, mask_of, reached
 
 FEW = 8
 """A distance that fewer pairs have is not worth a shift ..."""
@@ -32,7 +29,7 @@ def image_of(rows: Rows) -> Image:
     for first, row in rows.items():
         for second in bits_of(row):
             starts.setdefault(second - first, []).append(first)
-    shifted = {d: _mask(found) for d, found in starts.items() if len(found) >= FEW}
+    shifted = {d: mask_of(found) for d, found in starts.items() if len(found) >= FEW}
     if not shifted:
         return by_rows(rows)
     left = [(d, sources) for d, sources in shifted.items() if d >= 0]
@@ -42,7 +39,7 @@ def image_of(rows: Rows) -> Image:
         if distance not in shifted:
             for first in found:
                 rest[first] = rest.get(first, 0) | 1 << first + distance
-    irregular = _mask(rest)
+    irregular = mask_of(rest)
     one_by_one, few = by_rows(rows), SPARSE * len(shifted)
 
     def image(start: Mask) -> Mask:
@@ -58,38 +55,6 @@ def image_of(rows: Rows) -> Image:
         return found
 
     return image
-
-
-def _mask(elements: Iterable[int]) -> Mask:
-    found = 0
-    for element in elements:
-        found |= 1 << element
-    return found
-
-
-def by_rows(rows: Rows) -> Image:
-    """The images of a relation, element by element."""
-    get = rows.get
-
-    def image(start: Mask) -> Mask:
-        found = 0
-        while start:
-            low = start & -start
-            found |= get(low.bit_length() - 1, 0)
-            start ^= low
-        return found
-
-    return image
-
-
-def reached(image: Image, start: Mask) -> Mask:
-    """What can be reached from a set in one step or more."""
-    found, frontier = 0, start
-    while frontier:
-        following = image(frontier)
-        frontier = following & ~found
-        found |= following
-    return found
 
 
 def steps(image: Image, start: Mask, end: Mask) -> int | None:

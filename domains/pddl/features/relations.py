@@ -10,15 +10,12 @@ from typing import TYPE_CHECKING, cast
 from domains.pddl.features import rows
 from domains.pddl.features.images import (
     REMEMBERED,
-    Image,
     by_components,
-    by_rows,
     image_of,
-    reached,
     remembering,
     steps,
 )
-from domains.pddl.features.rows import Mask, Rows, bits_of
+from domains.pddl.features.rows import Image, Mask, Rows, bits_of, by_rows, reached
 from domains.pddl.features.sources import Changing, Fixed
 from sketchlang.checking.typed import MANY, OPEN, Node
 

@@ -9,6 +9,9 @@ Rows = Mapping[int, Mask]
 Row = Callable[[int], Mask]
 """What an object is related to."""
 
+Image = Callable[[Mask], Mask]
+"""What the elements of a set are related to."""
+
 FEW = 32
 """Fewer bits of a mask than this are looked at one by one."""
 
@@ -21,16 +24,20 @@ def bits_of(mask: Mask) -> Iterator[int]:
         mask ^= low
 
 
+def mask_of(places: Iterable[int]) -> Mask:
+    """The mask with ones at some places."""
+    found = 0
+    for place in places:
+        found |= 1 << place
+    return found
+
+
 def strided(mask: Mask, stride: int) -> Mask:
     """Every so many-th bit of a mask: bit `i` of the result is bit `i * stride`."""
     if stride == 1:
         return mask
     if mask.bit_count() < FEW:
-        found = 0
-        for bit in bits_of(mask):
-            if not bit % stride:
-                found |= 1 << bit // stride
-        return found
+        return mask_of(bit // stride for bit in bits_of(mask) if not bit % stride)
     # Text can be cut in strides; whole numbers cannot.
     return int(bin(mask)[:1:-1][::stride][::-1], 2)
 
@@ -48,11 +55,28 @@ def size(rows: Rows) -> int:
     return sum(row.bit_count() for row in rows.values())
 
 
-def image(row: Row, start: Mask) -> Mask:
-    """What the elements of a set are related to."""
-    found = 0
-    for element in bits_of(start):
-        found |= row(element)
+def by_rows(rows: Rows) -> Image:
+    """The images of a relation, element by element."""
+    get = rows.get
+
+    def image(start: Mask) -> Mask:
+        found = 0
+        while start:
+            low = start & -start
+            found |= get(low.bit_length() - 1, 0)
+            start ^= low
+        return found
+
+    return image
+
+
+def reached(image: Image, start: Mask) -> Mask:
+    """What can be reached from a set in one step or more."""
+    found, frontier = 0, start
+    while frontier:
+        following = image(frontier)
+        frontier = following & ~found
+        found |= following
     return found
 
 
@@ -74,16 +98,8 @@ def getter(rows: Rows) -> Row:
 
 def closure(rows: Rows) -> dict[int, Mask]:
     """The transitive closure."""
-    row = getter(rows)
-    found = {}
-    for start in rows:
-        seen, frontier = 0, 1 << start
-        while frontier:
-            following = image(row, frontier)
-            frontier = following & ~seen
-            seen |= following
-        found[start] = seen
-    return found
+    image = by_rows(rows)
+    return {start: reached(image, 1 << start) for start in rows}
 
 
 def identity(mask: Mask) -> dict[int, Mask]:
@@ -93,8 +109,8 @@ def identity(mask: Mask) -> dict[int, Mask]:
 
 def composed(first: Rows, second: Rows) -> dict[int, Mask]:
     """First one step and then another."""
-    row = getter(second)
-    found = {start: image(row, middle) for start, middle in first.items()}
+    image = by_rows(second)
+    found = {start: image(middle) for start, middle in first.items()}
     return {start: end for start, end in found.items() if end}
 
 

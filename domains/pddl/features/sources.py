@@ -6,8 +6,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
-from domains.pddl.features.images import Image, image_of
-from domains.pddl.features.rows import Mask, bits_of, of_pairs, strided
+from domains.pddl.features.images import image_of
+from domains.pddl.features.rows import Image, Mask, bits_of, of_pairs, strided
 from domains.pddl.ground.layout import Box
 from domains.pddl.ground.reach import Values
 from domains.pddl.ground.task import GroundTask

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
-from domains.pddl.features.rows import bits_of
+from domains.pddl.features.rows import bits_of, mask_of
 from domains.pddl.ground.conjunctions import Conjunction, TooLargeError, conjunctions
 from domains.pddl.ground.layout import Layout, make_layout, object_order
 from domains.pddl.ground.reach import Case, Reached, Values, reach
@@ -17,14 +17,6 @@ from sketchlang.source import Span
 
 Places = tuple[int, ...]
 """Bits by their places, in order: of large tasks, masks would fill the memory."""
-
-
-def mask_of(places: Iterable[int]) -> int:
-    """The mask of some bits."""
-    found = 0
-    for place in places:
-        found |= 1 << place
-    return found
 
 
 def places_of(bits: Iterable[int]) -> Places:
