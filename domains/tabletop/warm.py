@@ -26,6 +26,7 @@ from runtime.kernels.compiler import has_compiled
 from runtime.kernels.convex import boxes_only
 from runtime.motion import rrt
 from runtime.motion.arm_context import ArmContext
+from runtime.motion.course import arm_limits, with_stops
 from runtime.motion.drives import drives
 from runtime.robot.model import RobotModel
 from runtime.search.problem import Rejection
@@ -65,7 +66,7 @@ def warm_up(robot: RobotModel) -> None:
 
 def _warm_up_rare(world: TabletopWorld, rng: np.random.Generator) -> None:
     """The same for drives of some robots, lanes where the base cannot turn, solids that are no
-    boxes, and ways of the arm that are not simple."""
+    boxes, ways of the arm that are not simple, and motions that stop at corners."""
     robot = world.robot
     start, goal = (0.0, 0.0, 0.0), (0.5, 0.3, 1.0)
     if robot.base.type != "fixed":
@@ -84,6 +85,7 @@ def _warm_up_rare(world: TabletopWorld, rng: np.random.Generator) -> None:
     path = rrt.rrt_connect(context, robot.home, robot.home * 0.999, 1, 0.1)
     if path is not None:
         rrt.shorten(context, np.vstack([path, path[::-1], path]), rng)
+    with_stops(np.array([robot.home, robot.home * 0.999, robot.home]), arm_limits(robot))
 
 
 def _first(subproblem: TabletopSubproblem, state: State) -> list[Step]:

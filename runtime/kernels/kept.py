@@ -11,15 +11,15 @@ compiler, and renamed: whoever reads meanwhile has one or the other.
 from __future__ import annotations
 
 import atexit
+import fcntl
 import hashlib
 import os
 import pickle
 import shutil
 import subprocess
 import sys
-import tempfile
 from collections.abc import Iterator
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from dataclasses import astuple
 from functools import cache
 from importlib.util import find_spec
@@ -31,6 +31,8 @@ import numpy as np
 from runtime.kernels.cache import FOLDER, folder
 from runtime.kernels.kinds import Kind
 from runtime.kernels.native import Linker, MachineCode, UnavailableError
+from sketchlang.errors import InputError
+from sketchlang.files import replacing
 
 NAME = b"sketchlang kernels 1\n"
 SIZE = 32
@@ -40,7 +42,9 @@ PATIENCE = 60.0
 """Seconds in which a new file has to be tried."""
 
 SETTINGS = "NUMBA_"
-"""Beginning of the environment variables that say how Numba compiles."""
+"""Beginning of the environment variables that say how Numba compiles, but for these two."""
+
+OTHER_SETTINGS = (FOLDER, "NUMBA_NUM_THREADS")
 
 
 class Key(NamedTuple):
@@ -95,25 +99,35 @@ class Kept:
         impossible."""
         if self.path is None or not self.new:
             return
+        impossible = suppress(OSError, InputError, RuntimeError, subprocess.SubprocessError)
+        with impossible, _alone(self.path.parent), replacing(self.path) as temporary:
+            temporary.write_bytes(_packed(self._merged(self.path)))
+            _try(temporary)
+        for key in self.new:
+            _forget_others(key)
+        self.new.clear()
+
+    def _merged(self, path: Path) -> dict[Key, MachineCode]:
+        """What is new and what is in the file now."""
         pieces = dict(self.new)
-        others = Kept(self.path)
+        others = Kept(path)
         current = {key.name: key.fingerprint for key in self.new}
         for key in others:
             found = others[key]
             if found is not None and current.get(key.name, key.fingerprint) == key.fingerprint:
                 pieces.setdefault(key, found)
-        with suppress(OSError, RuntimeError, subprocess.SubprocessError):
-            with tempfile.NamedTemporaryFile(dir=self.path.parent, delete=False) as file:
-                file.write(_packed(pieces))
-            try:
-                _try(Path(file.name))
-                os.replace(file.name, self.path)
-            finally:
-                with suppress(FileNotFoundError):
-                    os.unlink(file.name)
-        for key in self.new:
-            _forget_others(key)
-        self.new.clear()
+        return pieces
+
+
+@contextmanager
+def _alone(folder: Path) -> Iterator[None]:
+    """Nobody else writes in a folder: of two who read, add and write at once, one would be lost."""
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(handle)
 
 
 def _packed(pieces: dict[Key, MachineCode]) -> bytes:
@@ -182,7 +196,7 @@ def _versions() -> str:
     settings = {
         name: value
         for name, value in os.environ.items()
-        if name.startswith(SETTINGS) and name != FOLDER
+        if name.startswith(SETTINGS) and name not in OTHER_SETTINGS
     }
     for each in (
         sys.version,
