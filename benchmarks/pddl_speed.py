@@ -12,7 +12,9 @@ search in Python that uses it cannot be quicker.
 from __future__ import annotations
 
 import argparse
+import json
 import random
+import subprocess
 import sys
 import time
 from collections.abc import Sequence
@@ -23,6 +25,8 @@ from domains.pddl.interface import domain_beside
 from runtime.search.limits import Limits
 from runtime.solve import open_task
 from sketchlang.loader import load_sketch, pddl_domain
+
+PEER = Path(__file__).with_name("mimir_peer.py")
 
 
 def ours(sketch: str, path: str, runs: int) -> str:
@@ -60,6 +64,20 @@ def theirs(policy: Path, path: str, python: str) -> str:
     )
 
 
+def native(path: str, python: str) -> list[str]:
+    """How quick the searches of mimir are on a task, each in a row of the table."""
+    command = [python, str(PEER), str(domain_beside(path)), path, "5"]
+    answer = subprocess.run(command, check=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    rows = []
+    for told in map(json.loads, answer.stdout.splitlines()):
+        expanded, generated, seconds = told["expanded"], told["generated"], told["seconds"]
+        rows.append(
+            f"| mimir {told['search']}, {Path(path).stem} | {expanded} | {generated} "
+            f"| {1000 * seconds:.0f} | {expanded / seconds:.0f} | {generated / seconds:.0f} |"
+        )
+    return rows
+
+
 def main(arguments: Sequence[str]) -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -67,12 +85,15 @@ def main(arguments: Sequence[str]) -> None:
     parser.add_argument("--runs", type=int, default=3)
     parser.add_argument("--python")
     parser.add_argument("--policies", type=Path)
+    parser.add_argument("--mimir")
     options = parser.parse_args(arguments)
     pairs = list(zip(options.pairs[::2], options.pairs[1::2], strict=True))
     print("| task | expanded | generated | ms | expanded a second | generated a second |")
     print("|---|---|---|---|---|---|")
     for sketch, path in pairs:
         print(ours(sketch, path, options.runs), flush=True)
+        for row in native(path, options.mimir) if options.mimir else ():
+            print(row, flush=True)
     if options.python and options.policies:
         for sketch, path in pairs:
             for policy in sorted(options.policies.rglob(f"{sketch}_*.txt"))[:1]:
