@@ -2,9 +2,9 @@
 
     python mimir_peer.py DOMAIN TASK SECONDS
 
-writes one line of JSON for breadth-first search and one for IW(1), both without features, on the task
-that mimir grounded: `{"search": NAME, "expanded": N, "generated": N, "seconds": S}`. The seconds
-are processor time of the search alone; breadth-first search ends after `SECONDS`.
+writes one line of JSON for breadth-first search and one for IW(1), both without features, on the
+task that mimir grounded: `{"search": NAME, "expanded": N, "generated": N, "seconds": S}`. The
+seconds are processor time of the search alone; breadth-first search ends after `SECONDS`.
 """
 
 from __future__ import annotations
@@ -47,11 +47,8 @@ def measured(domain: str, task: str, seconds: float) -> list[dict[str, object]]:
     novelty.iw_event_handler = search.DefaultIWEventHandler(problem, True)
     begun = time.process_time()
     search.find_solution_iw(context, novelty)
-    told(
-        "IW(1)",
-        begun,
-        list(novelty.iw_event_handler.get_statistics().get_brfs_statistics_by_arity()),
-    )
+    by_arity = novelty.iw_event_handler.get_statistics().get_brfs_statistics_by_arity()
+    told("IW(1)", begun, list(by_arity))
     return found
 
 

@@ -67,7 +67,7 @@ def theirs(policy: Path, path: str, python: str) -> str:
 def native(path: str, python: str) -> list[str]:
     """How quick the searches of mimir are on a task, each in a row of the table."""
     command = [python, str(PEER), str(domain_beside(path)), path, "5"]
-    answer = subprocess.run(command, check=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    answer = subprocess.run(command, check=True, capture_output=True)
     rows = []
     for told in map(json.loads, answer.stdout.splitlines()):
         expanded, generated, seconds = told["expanded"], told["generated"], told["seconds"]
