@@ -11,7 +11,8 @@ from sketchlang.checking.comments import note_includes
 from sketchlang.checking.declarations import Placed, collect
 from sketchlang.checking.definitions import definition_order, type_definitions
 from sketchlang.checking.expressions import Typer
-from sketchlang.checking.relations import Relations, RulePlace, satisfiable
+from sketchlang.checking.invariants import Stated, satisfiable
+from sketchlang.checking.relations import Relations, RulePlace
 from sketchlang.checking.report import Report
 from sketchlang.checking.rules import RuleReader
 from sketchlang.checking.typed import Node
@@ -101,8 +102,8 @@ class _Checker:
         )
         rules = tuple(reader.rule(placed) for placed in declarations.rules.values())
         goal = self._goal(reader)
-        invariants = self._invariants()
-        self._relations(reader, rules, goal, invariants)
+        invariants, stated = self._invariants()
+        self._relations(reader, rules, goal, invariants, stated)
         self._unused()
         name = declarations.title.item.name.text if declarations.title else "sketch"
         model = SketchModel(name, features, rules, goal, invariants)
@@ -185,8 +186,9 @@ class _Checker:
             )
         return reader.conditions(placed.item.block, placed.source)[0]
 
-    def _invariants(self) -> tuple[Invariant, ...]:
-        found = []
+    def _invariants(self) -> tuple[tuple[Invariant, ...], list[Label]]:
+        """The invariants that can hold, each on its own, and where they stand."""
+        found, places = [], []
         for placed in self.declarations.invariants:
             scope = Scope(placed.source)
             node = self.typer.expect(placed.item.formula, BOOL, "an invariant", scope)
@@ -204,7 +206,8 @@ class _Checker:
                 message = "this holds whatever the values are, so it says nothing"
                 self.report.add("idle-invariant", message, label, hint="Remove it.")
             found.append(made)
-        return tuple(found)
+            places.append(placed.label(placed.item.formula.span))
+        return tuple(found), places
 
     def _atoms(self) -> tuple[str, ...]:
         names: dict[str, Label] = {}
@@ -234,6 +237,7 @@ class _Checker:
         rules: tuple[Rule, ...],
         goal: Mapping[int, bool] | None,
         invariants: tuple[Invariant, ...],
+        stated: list[Label],
     ) -> None:
         places = []
         for placed in self.declarations.rules.values():
@@ -250,7 +254,7 @@ class _Checker:
         relations = Relations(reader.features, rules, places, reader.faulty, self.report)
         wanted = self.declarations.goal
         place = None if wanted is None else wanted.label(wanted.item.block.span)
-        relations.check(goal, place, invariants)
+        relations.check(goal, place, Stated(invariants, stated, self.report))
 
     def _unused(self) -> None:
         declarations = self.declarations

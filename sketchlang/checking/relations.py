@@ -11,27 +11,14 @@ from collections.abc import Collection, Mapping, Sequence
 from functools import cache
 from itertools import product
 
+from sketchlang.checking.invariants import Stated
 from sketchlang.checking.report import Report
 from sketchlang.diagnostics import Label
-from sketchlang.model import (
-    And,
-    Effect,
-    Feature,
-    Formula,
-    Invariant,
-    Kind,
-    Literal,
-    Not,
-    Or,
-    Rule,
-    holds,
-)
+from sketchlang.model import Effect, Feature, Kind, Rule
 from sketchlang.source import Source, Span
 
 Pairs = frozenset[tuple[int, int]]
 _RANGE = {Kind.BOOL: range(2), Kind.NAT: range(3)}
-_MAX_INVARIANT_FEATURES = 12
-
 
 MAX_COMPARED = 2000
 """So many rules of a sketch are compared with each other, which takes half a second."""
@@ -87,11 +74,11 @@ class Relations:
         self,
         goal: Mapping[int, bool] | None,
         goal_place: Label | None,
-        invariants: Sequence[Invariant],
+        stated: Stated,
     ) -> None:
         """All checks: the goal, then rule by rule."""
         if goal is not None and goal_place is not None:
-            self._goal_against(goal, goal_place, invariants)
+            stated.against_goal(goal, goal_place)
         sensible = [
             number
             for number, rule in enumerate(self.rules)
@@ -101,7 +88,9 @@ class Relations:
             self._redundant_effects(number)
             self._stays(number)
             self._at_goal(number, goal)
-            self._against(number, invariants)
+            place = self.places[number]
+            label = Label(place.source, place.name)
+            stated.against_rule(self.rules[number], label)
         self._subsumed(sensible)
 
     def _effects_happen(self, number: int) -> bool:
@@ -155,29 +144,6 @@ class Relations:
                 f"rule `{rule.name}` is for goal states only, where nothing is left to do",
                 Label(place.source, place.name),
             )
-
-    def _goal_against(
-        self, goal: Mapping[int, bool], place: Label, invariants: Sequence[Invariant]
-    ) -> None:
-        for invariant in invariants:
-            if not satisfiable(invariant.formula, goal):
-                self.report.add(
-                    "goal-against-invariant",
-                    f"the goal can never hold: `{invariant.text}` excludes it",
-                    place,
-                )
-                return
-
-    def _against(self, number: int, invariants: Sequence[Invariant]) -> None:
-        rule, place = self.rules[number], self.places[number]
-        for invariant in invariants:
-            if not satisfiable(invariant.formula, rule.conditions):
-                self.report.add(
-                    "rule-against-invariant",
-                    f"rule `{rule.name}` never applies: `{invariant.text}` excludes it",
-                    Label(place.source, place.name),
-                )
-                return
 
     def _subsumed(self, sensible: Sequence[int]) -> None:
         """Every rule that allows nothing that another one does not allow."""
@@ -242,31 +208,3 @@ class RulePlace:
         self.block = block
         self.conditions = conditions
         self.effects = effects
-
-
-def features_of(formula: Formula) -> set[int]:
-    """The features that a formula speaks of."""
-    match formula:
-        case Literal(feature, _):
-            return {feature}
-        case Not(operand):
-            return features_of(operand)
-        case And(operands) | Or(operands):
-            return set().union(*map(features_of, operands))
-
-
-def satisfiable(formula: Formula, fixed: Mapping[int, bool]) -> bool:
-    """Whether a formula can hold where some features are fixed (True for large formulas)."""
-    features = sorted(features_of(formula))
-    free = [f for f in features if f not in fixed]
-    if len(free) > _MAX_INVARIANT_FEATURES:
-        return True
-    values = [0] * (max(features, default=-1) + 1)
-    for f in features:
-        values[f] = int(fixed.get(f, False))
-    for choice in product((0, 1), repeat=len(free)):
-        for f, value in zip(free, choice, strict=True):
-            values[f] = value
-        if holds(formula, tuple(values)):
-            return True
-    return False
