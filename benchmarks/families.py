@@ -131,6 +131,16 @@ def ring(features: int) -> str:
     return _sketch("ring", bits, [], rules)
 
 
+def token(features: int) -> str:
+    """Booleans in a ring: one that is true may make the next one true instead of itself."""
+    bits = [f"b{i}" for i in range(features)]
+    rules = []
+    for i, bit in enumerate(bits):
+        after = bits[(i + 1) % features]
+        rules.append((f"pass{i}", [bit, f"!{after}"], [f"!{bit}", after]))
+    return _sketch("token", bits, [], rules)
+
+
 def dense(features: int, rules: int | None = None, seed: int = 0) -> str:
     """Random rules over Booleans and nats, most of which test and change a few of them; each
     lowers a nat or turns a Boolean for certain."""
@@ -180,6 +190,7 @@ FAMILIES: dict[str, Callable[..., str]] = {
     "closed": partial(gray, closed=True),
     "weighted_sum": weighted_sum,
     "ring": ring,
+    "token": token,
     "dense": dense,
 }
 """By name; some take a number of rules and a seed as well."""

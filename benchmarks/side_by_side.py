@@ -27,13 +27,13 @@ from sketchlang.source import Source
 SKETCHES = (
     "chain:12,relay:12,copies:10,gray:16,gray:18,gray:20,closed:16,weighted_sum:16:400,"
     "weighted_sum:20:200,weighted_sum:20:600,weighted_sum:60:2000,ring:12,ring:32,"
-    "dense:12:100,dense:24:200,dense:30:200"
+    "token:12,token:16,token:40,dense:12:100,dense:24:200,dense:30:200"
 )
 OURS = """
 import json, sys, time
 import highspy, numpy, scipy.sparse.csgraph
-from sketchlang.analysis import listed_piece, listing, numbers, potential, short_cycles, sieve
-from sketchlang.analysis import weights
+from sketchlang.analysis import balance, listed_piece, listing, numbers, potential, short_cycles
+from sketchlang.analysis import sieve, weights
 from sketchlang.analysis.limits import Budget
 from sketchlang.analysis.termination import decide_termination
 from sketchlang.loader import load_text

@@ -96,33 +96,38 @@ class RuleBits:
 
 def rule_bits(model: SketchModel) -> tuple[RuleBits, ...]:
     """All rules of a sketch as masks, in order."""
-    return tuple(_masks(model, index, rule) for index, rule in enumerate(model.rules))
+    nats = sum(1 << f for f, feature in enumerate(model.features) if feature.kind is Kind.NAT)
+    return tuple([_masks(index, rule, nats) for index, rule in enumerate(model.rules)])
 
 
-def _masks(model: SketchModel, index: int, rule: Rule) -> RuleBits:
+_UNCHANGED = dict.fromkeys(Effect, 0)  # in the order in which `_masks` unpacks them
+
+
+def _masks(index: int, rule: Rule, nats: int) -> RuleBits:
+    # Small proofs take as long as this does.
     needs = wants = 0
     for feature, positive in rule.conditions.items():
-        needs |= 1 << feature
-        wants |= positive << feature
-    by_effect = dict.fromkeys(Effect, 0)
-    nats = 0
+        bit = 1 << feature
+        needs |= bit
+        if positive:
+            wants |= bit
+    by_effect = _UNCHANGED.copy()
     for feature, effect in rule.effects.items():
         by_effect[effect] |= 1 << feature
-        nats |= (model.features[feature].kind is Kind.NAT) << feature
-    lowered = by_effect[Effect.DEC]
+    sets, clears, lowered, raised, sinks, climbs, any_ = by_effect.values()
     return RuleBits(
         index=index,
         needs=needs | lowered,
         wants=wants | lowered,
-        sets=by_effect[Effect.SET] | by_effect[Effect.INC],
-        clears=by_effect[Effect.CLEAR],
-        free=by_effect[Effect.ANY] | lowered,
-        sinks=by_effect[Effect.NOT_INC],
-        climbs=by_effect[Effect.NOT_DEC],
+        sets=sets | raised,
+        clears=clears,
+        free=any_ | lowered,
+        sinks=sinks,
+        climbs=climbs,
         falls=lowered,
-        rises=by_effect[Effect.INC],
-        may_fall=nats & sum(by_effect[effect] for effect in LOWERS),
-        may_rise=nats & sum(by_effect[effect] for effect in RAISES),
+        rises=raised,
+        may_fall=nats & (lowered | any_ | sinks),
+        may_rise=nats & (raised | any_ | climbs),
         dead=bool(lowered & needs & ~wants),
     )
 

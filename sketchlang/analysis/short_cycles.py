@@ -51,7 +51,7 @@ def _candidates(
         for j, second in enumerate(moves):
             if i == j:
                 continue
-            both = _then(first, second)
+            both = then(first, second)
             if everything & ~(both[0] | both[1] | both[2] | both[3]):
                 continue
             if i < j and not everything & ~(both[0] | both[3]):
@@ -75,7 +75,8 @@ def _candidates(
             return
 
 
-def _then(first: Moves, second: Moves) -> Moves:
+def then(first: Moves, second: Moves) -> Moves:
+    """What one does after the other."""
     return (
         (first[0] & second[0]) | (first[1] & second[2]),
         (first[0] & second[1]) | (first[1] & second[3]),

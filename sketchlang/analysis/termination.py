@@ -112,11 +112,18 @@ class _Search:
         return self._listed(steps, left)
 
     def _listed(self, steps: tuple[Step, ...], left: list[RuleBits]) -> Verdict:
-        """By more Sieve; or, when that would take longer, by all valuations."""
+        """By more Sieve; or, when that would take longer, by all valuations. Where these are many,
+        cycles are looked for in firing counts first."""
         from sketchlang.analysis.listed_graph import MOST_EDGES, TooManyEdgesError
         from sketchlang.analysis.listing import Listing, applications
 
         edges = applications(self.model, left)
+        if edges is None or edges // EDGES_A_STEP > SMALL_WORK:
+            from sketchlang.analysis.balance import balanced_cycle
+
+            balanced = balanced_cycle(self.model, self.rules, left, self.budget)
+            if balanced:
+                return self._refuted(steps, balanced)
         if edges is None or edges > MOST_EDGES:
             return self._verdict(steps, self._sieve(left, self.budget))
         if edges // EDGES_A_STEP > SMALL_WORK:  # that much was done in vain
