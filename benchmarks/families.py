@@ -170,6 +170,42 @@ def dense(features: int, rules: int | None = None, seed: int = 0) -> str:
     return _sketch("dense", bits, nats, made)
 
 
+def mixed(features: int, rules: int | None = None, seed: int = 0) -> str:
+    """Random rules with all effects, each about three features, often a goal, an invariant, and
+    nats that are bounded. Some effects are sure to happen, so that some sketches terminate."""
+    rng = random.Random(seed)
+    nats = [f"n{i}" for i in range(features // 2)]
+    bits = [f"b{i}" for i in range(features - len(nats))]
+    names = [*nats, *bits]
+    made = []
+    for number in range(features if rules is None else rules):
+        conditions = {name: rng.random() < 0.5 for name in names if rng.random() < 3 / features}
+        effects = {}
+        for name in names:
+            if rng.random() < 3 / features:
+                kinds = ("{}--", "{}--", "{}++", "!{}++", "!{}--", "{}?")
+                choices = kinds if name in nats else ("{}", "!{}", "{}?")
+                effects[name] = rng.choice(choices).format(name)
+        for name, effect in effects.items():
+            if effect == f"{name}--":
+                conditions[name] = True
+            elif effect in (name, f"!{name}"):
+                conditions[name] = effect != name
+        tests = [_condition(name, true, name in nats) for name, true in conditions.items()]
+        made.append((f"r{number}", tests, list(effects.values())))
+    text = _sketch("mixed", bits, nats, made)
+    for name in nats:
+        if rng.random() < 0.25:
+            text = text.replace(f"feature {name} ", f"bounded feature {name} ")
+    some = rng.sample(names, 4)
+    if rng.random() < 0.5:
+        text += f"goal {{ {_condition(some[0], rng.random() < 0.5, some[0] in nats)} }}\n"
+    if rng.random() < 0.5:
+        facts = [_condition(name, rng.random() < 0.5, name in nats) for name in some[1:3]]
+        text += "invariant " + " or ".join(fact.replace("!", "not ") for fact in facts) + "\n"
+    return text
+
+
 def _names(count: int) -> list[str]:
     letters = string.ascii_letters
     return [letters[i] if i < len(letters) else f"x{i}" for i in range(count)]
@@ -192,6 +228,7 @@ FAMILIES: dict[str, Callable[..., str]] = {
     "ring": ring,
     "token": token,
     "dense": dense,
+    "mixed": mixed,
 }
 """By name; some take a number of rules and a seed as well."""
 
