@@ -22,6 +22,7 @@ from domains.tabletop.features.goals import LATTICE, GoalSites
 from domains.tabletop.features.swept import HEADINGS, STEP
 from domains.tabletop.features.towers import storeys, with_room
 from domains.tabletop.features.words import WordGoals
+from domains.tabletop.foot import sunk_into
 from domains.tabletop.ground import Ground
 from domains.tabletop.hand import Hand, hand_of
 from domains.tabletop.items import Item
@@ -133,6 +134,13 @@ class TabletopWorld:
             raise InputError(
                 f"the robot cannot stand at ({x:g}, {y:g}): {_too_near(scene, roads)}",
                 place=f"{scene.name}: robot_start",
+            )
+        sunk = sunk_into(scene, robot) if is_fixed(robot) else []
+        if sunk:
+            raise InputError(
+                f"the foot of {robot.name} at ({x:g}, {y:g}) would be in {listed(sunk)}",
+                place=f"{scene.name}: robot_start",
+                hint="`height` under [base] in the robot's file says what it stands on",
             )
         turned = _seen_from(scene)
         made = [

@@ -10,14 +10,11 @@ import numpy as np
 from runtime.judge.contacts import Exact, Hit, Track, close_pairs
 from runtime.judge.extents import lowest
 from runtime.judge.skeleton import Skeleton
+from runtime.robot.model import BOLTED
 from runtime.world.world import FLOOR
 
 BELOW = 1e-4
 """Metres below the floor that nothing is."""
-
-BOLTED = 2e-3
-"""Metres that the foot of a fixed robot may be deep in what it is bolted to: meshes do not end
-exactly at the plane that they are mounted on."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -40,6 +40,7 @@ SPEEDY = {True: 1.0, False: 7.0}
 
 SAMPLES = 120
 COLLISIONS_NAMED = 12
+LINKS_NAMED = 6
 
 
 def check_robot(path: Path) -> tuple[list[Finding], RobotModel | None]:
@@ -80,14 +81,25 @@ def _joints(file: RobotFile, robot: RobotModel) -> Iterator[Finding]:
 
 
 def _shapes(file: RobotFile, robot: RobotModel) -> Iterator[Finding]:
-    for link, visuals in robot.urdf.visuals.items():
-        if visuals and not robot.urdf.shapes[link]:
-            yield Finding(
-                "shape-missing",
-                f"link {link!r} can be seen, but has no collision shape",
-                file.place,
-                "give it a <collision> in the URDF: plans would go through it",
-            )
+    bare = [
+        link for link, seen in robot.urdf.visuals.items() if seen and not robot.urdf.shapes[link]
+    ]
+    if bare:
+        yield Finding(
+            "shape-missing",
+            f"{_named(bare)} can be seen, but {'has' if len(bare) == 1 else 'have'} no collision "
+            "shape",
+            file.place,
+            "plans would go through it: give it a <collision> in the URDF, unless another link's "
+            "shape covers it",
+        )
+
+
+def _named(links: list[str]) -> str:
+    """Some links by name, and how many more there are."""
+    named = ", ".join(map(repr, links[:LINKS_NAMED]))
+    more = f" and {len(links) - LINKS_NAMED} more" if len(links) > LINKS_NAMED else ""
+    return f"{'link' if len(links) == 1 else 'links'} {named}{more}"
 
 
 def _controllers(file: RobotFile, robot: RobotModel) -> Iterator[Finding]:

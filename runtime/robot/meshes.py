@@ -123,7 +123,7 @@ def _read_obj(path: Path) -> tuple[Floats, Any]:
 def _collada_unit(path: Path) -> float:
     """Metres of one unit of a COLLADA file; refuses what `read_xml` refuses."""
     for element in read_xml(path, MAX_BYTES).iter():
-        if element.tag.rpartition("}")[2] == "unit":
+        if element.tag.rpartition(":")[2] == "unit":
             try:
                 unit = float(element.get("meter", "1"))
             except ValueError:

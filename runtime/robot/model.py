@@ -28,6 +28,11 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
+BOLTED = 5e-3
+"""Metres that the foot of a fixed robot may be deep in what it is bolted to: meshes do not end
+exactly at the plane that they are mounted on."""
+
+
 class Chain(NamedTuple):
     """Arrays of a serial chain, as `runtime.kernels.arm` takes them."""
 

@@ -142,19 +142,27 @@ def _gripper(file: RobotFile, with_tool: bool) -> Iterator[Finding]:
             "name its finger_joints in [gripper]; `robot import --gripper two_finger` fits one",
         )
         return
-    unknown = False
+    unknown = still = False
     for name in file.gripper.fingers:
         joint = file.urdf.joint(name)
         if joint is None:
             yield Finding("unknown-name", f"finger_joints: the URDF has no joint {name!r}", place)
         elif joint.type not in MOVING:
             yield Finding("fingers-do-not-close", f"finger_joints: {name!r} does not move", place)
+        elif joint.mimic is None and joint.lower == joint.upper:
+            still = True
+            yield Finding(
+                "limits-absent",
+                f"finger_joints: {name!r} has no range: {joint.lower:g} is its only value",
+                place,
+                f"state lower and upper under [limits.{name}], as they are on the robot",
+            )
         unknown |= joint is None or joint.type not in MOVING
     for name in file.gripper.links:
         if name not in file.urdf.shapes:
             yield Finding("unknown-name", f"links: the URDF has no link {name!r}", place)
             unknown = True
-    if unknown or not with_tool:
+    if unknown or still or not with_tool:
         return
     try:
         Hand(file.urdf, file.tool_link, file.gripper.fingers).table()

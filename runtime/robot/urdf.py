@@ -27,7 +27,7 @@ from sketchlang.reading import read_xml
 
 JOINT_TYPES = ("fixed", "revolute", "continuous", "prismatic", "planar", "floating")
 
-XACRO = "{http://www.ros.org/wiki/xacro}"
+XACRO = "xacro:"
 """The name space of macros."""
 
 MOVING = ("revolute", "continuous", "prismatic")

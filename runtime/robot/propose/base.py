@@ -41,7 +41,11 @@ def propose_base(urdf: Urdf, tool_link: str) -> ProposedBase:
         sideways = any(word in names for word in ROLLERS)
         kind = "holonomic" if sideways else "differential"
         return ProposedBase(kind, urdf.root, f"{len(wheels)} wheels, as {wheels[0].name!r}")
-    return ProposedBase("fixed", urdf.root, "no wheels and no joints in the plane")
+    still = next((link for link in urdf.shapes if "wheel" in link.lower()), None)
+    reason = "no wheels and no joints in the plane"
+    if still is not None:
+        reason = f"its wheels, as {still!r}, do not turn in this URDF: --base says how it drives"
+    return ProposedBase("fixed", urdf.root, reason)
 
 
 def _in_the_plane(chain: list[Joint]) -> Joint | None:

@@ -27,23 +27,21 @@ NEAR_LIMIT = 0.12
 """A joint is near its limit where less of its range is left than this share."""
 
 ROOM = 0.02
-"""Metres above the plane that a fixed robot stands on."""
+"""Metres kept above the plane that a fixed arm is mounted on, where its parts allow that."""
 
 
 class _Judge:
     """What a posture costs: how far the arm sticks out, above all to the front and the sides, and
     how far the joints are from the middle of their ranges."""
 
-    def __init__(self, robot: RobotModel, margin: float) -> None:
+    def __init__(self, robot: RobotModel, margin: float, floor: float) -> None:
         self.robot = robot
         self.margin = margin
         self.body = robot.body(robot.gripper.min_opening)
         self.moving = np.flatnonzero(self.body.frame > 0)
         self._frames = np.empty((len(robot.joints) + 1, 3, 4))
         self._placed = np.empty((len(self.body.frame), 3, 4))
-        self.floor = margin
-        if robot.base.type == "fixed":
-            self.floor = _mount_height(robot) + ROOM
+        self.floor = floor
         rows = [[0.0, 0.0, self.floor - 0.5, 10.0, 10.0, 0.5, 1.0, 0.0]]
         self.around = boxes_only(np.array(rows))
         self.span = np.maximum(robot.upper - robot.lower, 1e-9)
@@ -118,8 +116,8 @@ def propose_home(
 ) -> Floats | None:
     """A home posture (n,), or None where none is found free. The first of the wanted ones that
     is free is taken as it is."""
-    for margin in MARGINS:
-        judge = _Judge(robot, margin)
+    for margin, floor in ((m, f) for m in MARGINS for f in _floors(robot, m)):
+        judge = _Judge(robot, margin, floor)
         for q in wanted:
             if judge.free(q):
                 return q
@@ -127,6 +125,16 @@ def propose_home(
         if found is not None:
             return found
     return None
+
+
+def _floors(robot: RobotModel, margin: float) -> tuple[float, ...]:
+    """Heights above which the whole arm is to stay, the best first. A fixed arm usually stands
+    on a desk, which reaches to its mount; but the first links of some are in that plane, and
+    others hang beside a torso: these keep off the floor alone."""
+    if robot.base.type != "fixed":
+        return (margin,)
+    mount = _mount_height(robot)
+    return (mount + ROOM, mount - margin, margin)
 
 
 def _search(judge: _Judge, rng: np.random.Generator) -> Floats | None:

@@ -9,18 +9,18 @@ from pathlib import Path
 import numpy as np
 
 from runtime.robot.controllers import proposed_controllers
-from runtime.robot.file import FLOOR_LINK, TOOL_LINK, GripperFile, RobotFile, gripper_path
+from runtime.robot.file import FLOOR_LINK, TOOL_LINK, GripperFile, RobotFile
 from runtime.robot.load import build_robot
 from runtime.robot.model import JERK, MobileBase, RobotModel
-from runtime.robot.outline import points_of
 from runtime.robot.propose.base import propose_base
+from runtime.robot.propose.fitted import Mount, fitted
 from runtime.robot.propose.hand import ProposedHand, propose_hand
 from runtime.robot.propose.home import propose_home
 from runtime.robot.propose.pairs import always_touching, neighbours, within
 from runtime.robot.propose.srdf import Srdf
 from runtime.robot.structure import contradictions
 from runtime.robot.urdf import MOVING, Joint, Urdf, read_urdf
-from runtime.world.poses import Pose, identity
+from runtime.world.poses import Pose
 from sketchlang.errors import InputError
 from sketchlang.suggest import did_you_mean
 
@@ -35,16 +35,6 @@ HARDEST = 8.0
 
 DRIVING = MobileBase(0.5, 0.5, 1.0, 1.5, jerk=JERK * 0.5, angular_jerk=JERK * 1.5)
 """Speeds of a base of which nothing is known."""
-
-
-@dataclass(frozen=True, eq=False)
-class Mount:
-    """A gripper that is fitted to a robot: the name or path of its URDF, the link that it is
-    fixed to, and where."""
-
-    urdf: str
-    link: str
-    pose: Pose
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,8 +79,8 @@ def propose(
     kind = base or found.type
     whole, mount = urdf, None
     if gripper is not None:
-        mount, whole = _fitted(urdf, tool_link, gripper)
-        tool_link = whole.joints[_root_of(gripper)].child
+        mount, whole = fitted(urdf, tool_link, gripper)
+        tool_link = mount.root
     whole = whole.part(found.link)
     limits = _limits(whole, tool_link, notes)
     limited = _with_limits(whole, limits)
@@ -117,20 +107,6 @@ def _known_link(urdf: Urdf, link: str, path: Path) -> None:
     if link not in urdf.shapes:
         hint = did_you_mean(link, urdf.shapes) or "its links: " + ", ".join(list(urdf.shapes)[:40])
         raise InputError(f"there is no link {link!r}", place=str(path), hint=hint)
-
-
-def _root_of(gripper: str) -> str:
-    return read_urdf(gripper_path(gripper)).root
-
-
-def _fitted(urdf: Urdf, link: str, gripper: str) -> tuple[Mount, Urdf]:
-    """The robot with a gripper on a link: its root where the link's shapes end along z, which
-    points outwards at a flange."""
-    other = read_urdf(gripper_path(gripper))
-    ends = [float(points_of(shape, identity())[:, 2].max()) for shape in urdf.shapes[link]]
-    pose = identity()
-    pose[2, 3] = round(max([0.0, *ends]), 4)
-    return Mount(gripper, link, pose), urdf.attached(other, link, pose)
 
 
 def _limits(urdf: Urdf, tool_link: str, notes: list[str]) -> dict[str, dict[str, float]]:
