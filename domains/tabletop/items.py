@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -378,4 +378,8 @@ def why_not(item: Item, hand: Hand, families: Sequence[int]) -> str | None:
         return (
             f"is {narrowest:.0f} mm across at its narrowest, the gripper takes {1000 * widest:.0f}"
         )
-    return "cannot be held: its weight is too far from where the gripper reaches"
+    stronger = replace(hand, max_torque=math.inf)
+    holds = [item.holds(stronger, family, angles) for family in families]
+    if any(hold is not None and hold.fits.any() for hold in holds):
+        return "cannot be held: its weight is too far from where the gripper reaches"
+    return "cannot be held: the fingers do not reach far enough around it"

@@ -74,7 +74,7 @@ def _joints(file: RobotFile, robot: RobotModel) -> Iterator[Finding]:
         if velocity > SPEEDY[bool(slides)]:
             yield Finding(
                 "velocity-implausible",
-                f"joint {name!r}: {velocity:g} {'m/s' if slides else 'rad/s'} is no arm's",
+                f"joint {name!r}: no arm has {velocity:g} {'m/s' if slides else 'rad/s'}",
                 file.place,
                 f"state it in [limits.{name}]: velocity",
             )

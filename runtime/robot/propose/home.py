@@ -34,8 +34,9 @@ class _Judge:
     """What a posture costs: how far the arm sticks out, above all to the front and the sides, and
     how far the joints are from the middle of their ranges."""
 
-    def __init__(self, robot: RobotModel, margin: float, floor: float) -> None:
+    def __init__(self, robot: RobotModel, margin: float, floor: float, parked: bool) -> None:
         self.robot = robot
+        self.parked = parked
         self.margin = margin
         self.body = robot.body(robot.gripper.min_opening)
         self.moving = np.flatnonzero(self.body.frame > 0)
@@ -55,6 +56,8 @@ class _Judge:
         robot = self.robot
         arm.forward(robot.chain.origins, robot.chain.prismatic, q, self._frames)
         arm.place_boxes(self._frames, self.body.frame, self.body.pose, self._placed)
+        if self.parked:
+            return self._in_the_way() + 0.3 * self._strain(q)
         return self._extent() + self._strain(q) + self._unready()
 
     def _extent(self) -> float:
@@ -68,6 +71,20 @@ class _Judge:
         shoulder = self._frames[self.first + 1, :, 3]
         stretch = np.linalg.norm(placed[:, :, 3] - shoulder, axis=1) + radius
         return float(out.max() + 0.5 * stretch.max()) + 0.5 * front + 0.5 * aside
+
+    def _in_the_way(self) -> float:
+        """How far an arm that is not used sticks out and to the front, is stretched, and is over
+        on the side of the one that is used, in metres."""
+        own = self.body.frame > self.first
+        placed, radius = self._placed[own], 0.7 * self.body.radius[own]
+        out = np.hypot(placed[:, 0, 3], placed[:, 1, 3]) + radius
+        front = max(0.0, float((placed[:, 0, 3] + radius).max()))
+        shoulder = self._frames[self.first + 1, :, 3]
+        stretch = np.linalg.norm(placed[:, :, 3] - shoulder, axis=1) + radius
+        side = float(shoulder[1])
+        across = float((radius - math.copysign(1.0, side) * placed[:, 1, 3]).max())
+        beyond = max(0.0, across) if abs(side) > ROOM else 0.0
+        return float(out.max() + 0.5 * stretch.max()) + front + 2.0 * beyond
 
     def _strain(self, q: Floats) -> float:
         """Joints away from the middle of their ranges, and a first joint that is turned away from
@@ -112,12 +129,15 @@ def _mount_height(robot: RobotModel) -> float:
 
 
 def propose_home(
-    robot: RobotModel, rng: np.random.Generator, wanted: Sequence[Floats] = ()
+    robot: RobotModel,
+    rng: np.random.Generator,
+    wanted: Sequence[Floats] = (),
+    parked: bool = False,
 ) -> Floats | None:
     """A home posture (n,), or None where none is found free. The first of the wanted ones that
-    is free is taken as it is."""
+    is free is taken as it is. An arm that is `parked` is only to be out of another one's way."""
     for margin, floor in ((m, f) for m in MARGINS for f in _floors(robot, m)):
-        judge = _Judge(robot, margin, floor)
+        judge = _Judge(robot, margin, floor, parked)
         for q in wanted:
             if judge.free(q):
                 return q

@@ -15,6 +15,7 @@ from runtime.robot.model import JERK, MobileBase, RobotModel
 from runtime.robot.propose.base import propose_base
 from runtime.robot.propose.fitted import Mount, fitted
 from runtime.robot.propose.hand import ProposedHand, propose_hand
+from runtime.robot.propose.held import MOST, held, other_arms, planned
 from runtime.robot.propose.home import propose_home
 from runtime.robot.propose.pairs import always_touching, neighbours, within
 from runtime.robot.propose.srdf import Srdf
@@ -89,7 +90,18 @@ def propose(
     if any(contradictions(file)):
         notes.append("no home posture and no pairs were looked for: mend the findings first")
     else:
-        file = _probed(file, hand, srdf, notes, np.random.default_rng(seed))
+        rng = np.random.default_rng(seed)
+        way = {joint.name for joint in limited.chain(tool_link)}
+        if way & file.fixed.keys():
+            names = ", ".join(sorted(way & file.fixed.keys()))
+            notes.append(f"held, as {MOST} joints at most are planned for: {names}")
+        for link in other_arms(limited, tool_link):
+            parked = _parked(limited, link, kind, height, srdf, rng)
+            if parked is not None:
+                notes.append(f"the arm to {link!r} is held out of the way: see [fixed_joints]")
+                beside = {name: q for name, q in parked.items() if name not in way}
+                file = replace(file, fixed={**file.fixed, **beside})
+        file = _probed(file, srdf, notes, rng)
     return Proposal(
         urdf=urdf,
         file=file,
@@ -129,8 +141,9 @@ def _limits(urdf: Urdf, tool_link: str, notes: list[str]) -> dict[str, dict[str,
         elif joint.velocity > FASTEST[joint.type]:
             entry["velocity"] = FASTEST[joint.type]
             notes.append(
-                f"joint {joint.name!r}: {joint.velocity:g} rad/s is no arm's; "
-                f"{FASTEST[joint.type]:g} is written"
+                f"joint {joint.name!r}: {joint.velocity:g} "
+                f"{'m/s' if joint.type == 'prismatic' else 'rad/s'} is more than most arms can; "
+                f"{FASTEST[joint.type]:g} is written, for you to raise"
             )
         if entry:
             found[joint.name] = entry
@@ -160,8 +173,9 @@ def _first_file(
     ignored = neighbours(urdf)
     gripper = None
     tool = tool_link
-    moving = [j for j in urdf.chain(tool_link) if j.type in MOVING]
-    fixed = _held(urdf, {j.name for j in moving}, hand)
+    moving = planned(urdf.chain(tool_link))
+    fingers = () if hand is None else hand.fingers
+    fixed = held(urdf, {joint.name for joint in moving} | set(fingers))
     if hand is not None:
         ignored |= within(hand.links, urdf)
         gripper = GripperFile(hand.fingers, hand.links, 0.004, 0.5, None, None, None)
@@ -190,9 +204,7 @@ def _first_file(
         gripper=gripper,
         base=base,
         digest="",
-        controllers=proposed_controllers(
-            moving, () if hand is None else hand.fingers, kind != "fixed"
-        ),
+        controllers=proposed_controllers(moving, fingers, kind != "fixed"),
     )
 
 
@@ -205,17 +217,22 @@ def _acceleration(joint: Joint) -> float:
     return round(value if joint.type == "prismatic" else min(value, HARDEST), 3)
 
 
-def _held(urdf: Urdf, moving: set[str], hand: ProposedHand | None) -> dict[str, float]:
-    """Joints that neither the arm nor the gripper has, at 0 or as near as they get."""
-    fingers = set() if hand is None else set(hand.fingers)
-    return {
-        joint.name: round(min(joint.upper, max(joint.lower, 0.0)), 4)
-        for joint in urdf.joints.values()
-        if joint.type in MOVING
-        and joint.mimic is None
-        and joint.name not in moving | fingers
-        and joint.type != "continuous"
-    }
+def _parked(
+    urdf: Urdf,
+    link: str,
+    kind: str,
+    height: float,
+    srdf: Srdf | None,
+    rng: np.random.Generator,
+) -> dict[str, float] | None:
+    """Where the joints of an arm that is not used are out of the way; None if that is unknown."""
+    urdf = _with_limits(urdf, _limits(urdf, link, []))
+    file = _first_file(urdf.name, urdf, link, propose_hand(urdf, link), kind, height)
+    if any(contradictions(file)):
+        return None
+    notes: list[str] = []
+    file = _probed(file, srdf, notes, rng, parked=True)
+    return None if notes or file.joints is None else dict(zip(file.joints, file.home, strict=True))
 
 
 def _sorted(pairs: set[frozenset[str]]) -> tuple[tuple[str, str], ...]:
@@ -225,10 +242,10 @@ def _sorted(pairs: set[frozenset[str]]) -> tuple[tuple[str, str], ...]:
 
 def _probed(
     file: RobotFile,
-    hand: ProposedHand | None,
     srdf: Srdf | None,
     notes: list[str],
     rng: np.random.Generator,
+    parked: bool = False,
 ) -> RobotFile:
     """The file with pairs that always touch and a home posture."""
     ignored = {frozenset(pair) for pair in file.ignored}
@@ -240,7 +257,7 @@ def _probed(
     file = replace(file, ignored=_sorted(ignored))
     robot = build_robot(file)
     wanted = [] if srdf is None else list(filter(None, (_full(robot, s) for s in srdf.homes())))
-    home = propose_home(robot, rng, [np.array(q) for q in wanted])
+    home = propose_home(robot, rng, [np.array(q) for q in wanted], parked)
     if home is None:
         notes.append("no posture was found that is free of collision: look at the shapes")
         return file

@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from runtime.judge.collisions import BOLTED, Crowd, first_collision
+from runtime.judge.collisions import Crowd, first_collision
 from runtime.judge.contacts import Exact, Track
 from runtime.judge.extents import homogeneous, lowest
 from runtime.judge.skeleton import Skeleton
 from runtime.robot.load import load_robot
+from runtime.robot.model import BOLTED
 from runtime.world.poses import upright
 from runtime.world.solids import Box
 
