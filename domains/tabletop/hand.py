@@ -139,8 +139,20 @@ def _volumes(robot: RobotModel, family: int) -> Floats:
     rest = approach.hand_and_arm.copy()
     rest[:, 2] -= SIDEWAYS
     rest[:, 3] += SIDEWAYS
-    rows: Floats = np.unique(np.hstack([fingers, axis]), axis=0)
-    return np.vstack([rows, np.hstack([rest, np.zeros((len(rest), 1))])])
+    rows = np.vstack([np.hstack([fingers, axis]), np.hstack([rest, np.zeros((len(rest), 1))])])
+    return outermost(np.unique(rows.round(6), axis=0))
+
+
+def outermost(rows: Floats) -> Floats:
+    """Those of some different volumes (v, 7) that are not within another one."""
+    low, high = rows[:, 0:6:2], rows[:, 1:6:2]
+    within = (
+        (low[:, None] >= low).all(axis=2)
+        & (high[:, None] <= high).all(axis=2)
+        & (rows[:, None, 6] == rows[:, 6])
+    )
+    kept: Floats = rows[within.sum(axis=1) == 1]  # within itself only
+    return kept
 
 
 def _closing(robot: RobotModel, family: int) -> Floats:

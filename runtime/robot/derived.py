@@ -19,7 +19,7 @@ from runtime.robot.sweeps import approach_of
 from sketchlang.errors import InputError
 from sketchlang.files import cache_folder, write_text
 
-VERSION = 3
+VERSION = 5
 """Part of the name of cached files: to be raised when something here derives differently."""
 
 BOXES = ("hand", "arm", "fingers")

@@ -21,7 +21,11 @@ INWARDS = 0.001
 """Metres that a part of a finger may be nearer to the middle than its pad."""
 
 SLICE = 0.02
-"""Metres of a piece of a hand that comes aslant."""
+"""Metres of a piece of a hand that comes aslant, or of a finger that leans outwards."""
+
+LEANS = 0.8
+"""Share of the box around a part of a finger that the boxes around its pieces take at most, where
+they are worth their number."""
 
 
 def tools(family: Family, turn: float) -> list[Pose]:
@@ -67,7 +71,7 @@ def hand_boxes(robot: RobotModel, family: Family) -> tuple[Floats, Floats]:
         cloud = cloud - np.array([0.0, opening / 2, 0.0])
         advance = np.array([_advance(robot, finger, back), 0.0, 0.0])
         cloud = np.vstack([cloud, cloud + advance])
-        found += [_around(_both_ways(piece, turned[0])) for piece in _pieces(cloud, family)]
+        found += _finger(cloud, family, turned[0])
     return np.array(hand).reshape(-1, 6), np.array(found).reshape(-1, 6)
 
 
@@ -77,9 +81,9 @@ def finger_boxes(robot: RobotModel, family: Family, opening: float) -> Floats:
     turned = tools(family, 0.0)[0]
     return np.array(
         [
-            _around(_both_ways(piece, turned))
+            box
             for _, cloud in _clouds(robot, invert(robot.tool), opening)
-            for piece in _pieces(cloud, family)
+            for box in _finger(cloud, family, turned)
         ]
     ).reshape(-1, 6)
 
@@ -100,6 +104,20 @@ def _pieces(cloud: Floats, family: Family) -> list[Floats]:
     """Points in the tool frame; cut up for a hand that is aslant, where one box around all of them
     would be much too large."""
     return slices(cloud, SLICE) if family is Family.SLANT else [cloud]
+
+
+def _finger(cloud: Floats, family: Family, tool: Pose) -> list[list[float]]:
+    """Boxes around a part of a finger, points in the tool frame: one, or several where it leans so
+    much that they take less room."""
+    whole = _around(_both_ways(cloud, tool))
+    pieces = [_around(_both_ways(piece, tool)) for piece in slices(cloud, SLICE)]
+    worth = sum(_volume(box) for box in pieces) <= LEANS * _volume(whole)
+    return pieces if family is Family.SLANT or worth else [whole]
+
+
+def _volume(box: Sequence[float]) -> float:
+    """Cubic metres of a box, a row."""
+    return (box[1] - box[0]) * (box[3] - box[2]) * (box[5] - box[4])
 
 
 def _both_ways(cloud: Floats, tool: Pose) -> list[Floats]:

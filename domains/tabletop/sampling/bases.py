@@ -42,7 +42,7 @@ class BaseSampler:
         self.roads_for = roads_for
         self._rooms: OrderedDict[int, tuple[Roads, Room]] = OrderedDict()
 
-    def _room(self, state: State) -> Room:
+    def room(self, state: State) -> Room:
         """Where the robot can get to and turn; what stands on the floor is in its way, too."""
         world = self.world
         roads = world.roads if self.roads_for is None else self.roads_for(state)
@@ -145,7 +145,7 @@ class BaseSampler:
         at_wrist = wrist, (x, y), world.robot.centre
         if not narrow:
             number, *pose = first_with_room(
-                *at_wrist, bearings, reaches, turns, *self._room(state).floor
+                *at_wrist, bearings, reaches, turns, *self.room(state).floor
             )
             return None if number < 0 else BasePose.of(*pose)
         for drawn in zip(bearings, reaches, turns, strict=True):

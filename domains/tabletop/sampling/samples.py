@@ -15,6 +15,7 @@ from domains.tabletop.sampling.bases import BaseSampler, Wanted
 from domains.tabletop.sampling.draw import DOUBT, Draw
 from domains.tabletop.sampling.grasps import GraspSampler
 from domains.tabletop.sampling.placements import PlacementSampler
+from domains.tabletop.sampling.shut_in import leading_on
 from domains.tabletop.state import BasePose, Grasp, Placement, State
 from domains.tabletop.world import TabletopWorld
 
@@ -94,6 +95,8 @@ class Sampler:
         wanted: list[Wanted] = []
         if state.held is None:
             picks = self.grasps.picks(draw)
+            if attempt == 0:
+                picks = leading_on(self.grasps.world, self.bases.room, state, picks)
             for index, grasps in picks:
                 targets = [(state.placements[index], grasp) for grasp in grasps]
                 # What is ready to go deserves more places to stand than what is in its way.

@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from domains.tabletop.hand import FAMILY, hand_of
+from domains.tabletop.hand import FAMILY, hand_of, outermost
 from domains.tabletop.state import SIDE, TOP
+from runtime.robot.approach import Family
 from runtime.robot.load import load_robot
-from runtime.robot.open_hand import room_between, tools
+from runtime.robot.open_hand import finger_boxes, room_between, tools
 from runtime.robot.outline import outline
 from runtime.world.poses import apply, compose, invert
 from sketchlang.errors import InputError
@@ -136,6 +137,34 @@ def test_volumes_hold_the_fingers_while_they_close(tmp_path, toml, urdf, fully, 
             # Between two of the openings that are looked at fingers move by a few millimetres.
             inside = ((points >= low - 4e-3) & (points <= high + 4e-3)).all(axis=2)
             assert inside.any(axis=1).all()
+
+
+def test_open_fingers_that_lean_take_little_room_near_their_tips(tmp_path) -> None:
+    """Within a centimetre of its tips a finger of 10 cm that is open by 0.6 rad is 5 cm from where
+    it is furthest out or in: boxes there leave that free."""
+    robot = load_robot(write_robot(tmp_path, ONE, TURNING))
+    boxes = finger_boxes(robot, Family.TOP, robot.gripper.max_opening)
+    whole = float(boxes[:, 3].max() - boxes[:, 2].min())
+    at_tip = boxes[boxes[:, 4] < boxes[:, 4].min() + 0.01]
+    assert 0 < float(at_tip[:, 3].max() - at_tip[:, 2].min()) < 0.7 * whole
+    upright = load_robot(write_robot(tmp_path))
+    assert len(finger_boxes(upright, Family.TOP, 0.05)) == len(upright.finger_parts)
+
+
+def test_volumes_within_others_are_left_out_and_no_more(tmp_path, rng) -> None:
+    rows = np.round(rng.uniform(0.0, 1.0, (60, 7)), 1)
+    rows[:, 1:6:2] = rows[:, 0:6:2] + np.round(rng.uniform(0.1, 0.5, (60, 3)), 1)
+    rows[:, 6] = rng.integers(0, 2, 60)
+    rows = np.unique(rows.round(6), axis=0)
+    kept = outermost(rows)
+    points = rng.uniform(0.0, 1.5, (4000, 1, 3))
+
+    def hit(some):
+        inside = ((points >= some[:, 0:6:2]) & (points <= some[:, 1:6:2])).all(axis=2)
+        return [(inside & (some[:, 6] == kind)).any(axis=1) for kind in (0.0, 1.0)]
+
+    assert np.array_equal(hit(kept), hit(rows))
+    assert len(kept) < len(rows)
 
 
 def test_knuckles_are_what_comes_between_the_pads(tmp_path) -> None:
