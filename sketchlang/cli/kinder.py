@@ -23,6 +23,7 @@ Examples:
   make kinder
   sketchlang bench kinder --envs KinematicShelf3D-o3,Packing3D-p2 --seeds 0-9
   sketchlang bench kinder --envs Table3D-o1 --seeds 7 --json
+  sketchlang bench kinder --seeds 0-49 --keep kinder.jsonl
 """
 )
 @click.option("--envs", metavar="ID,...", help="Environments, as Obstruction3D-o2; all 21.")
@@ -44,11 +45,22 @@ Examples:
     help="The Python of KinDER's environment; that which `make kinder` made.",
 )
 @click.option(
+    "--keep",
+    type=click.Path(path_type=Path, dir_okay=False),
+    metavar="FILE",
+    help="Keep records there, one a line; what it has already is not played again.",
+)
+@click.option(
     "--json", "as_json", is_flag=True, help="Print one JSON object a problem, as it ends."
 )
 @interruptible
 def command(
-    envs: str | None, seeds: str, timeout: float, interpreter: Path | None, as_json: bool
+    envs: str | None,
+    seeds: str,
+    timeout: float,
+    interpreter: Path | None,
+    keep: Path | None,
+    as_json: bool,
 ) -> None:
     """Plan problems of KinDER and play the plans back in it, step by step; its own `terminated`
     flag tells whether a goal was reached. KinDER runs in an environment of its own, which `make
@@ -56,10 +68,12 @@ def command(
 
     Exit 0: all goals were reached. 1: some were not. 2: bad input.
     """
+    from domains.tabletop.kinder.kept import records_in, write_records
     from domains.tabletop.kinder.run import Record, run_all
     from domains.tabletop.kinder.scenes import ENVS, NAMES, is_known
     from domains.tabletop.kinder.table import table
     from sketchlang.errors import InputError
+    from sketchlang.files import check_output
 
     named = ENVS if envs is None else [name.strip() for name in envs.split(",")]
     for name in named:
@@ -68,13 +82,20 @@ def command(
     numbers = _seeds(seeds)
 
     def told(record: Record) -> None:
+        if keep is not None:
+            known.append(record)
+            write_records(keep, known)
         if as_json:
             click.echo(json.dumps(record.as_json()))
         elif not record.success:
             say(f"{record.env} seed {record.seed}: {record.reason}", err=True)
 
+    python = interpreter or FOLDER / "bin" / "python"
     try:
-        records = run_all(interpreter or FOLDER / "bin" / "python", named, numbers, timeout, told)
+        if keep is not None:
+            check_output(keep, option="--keep")
+        known = [] if keep is None else records_in(keep)
+        records = run_all(python, named, numbers, timeout, told, tuple(known))
     except InputError as error:
         fail(error)
     if not as_json:

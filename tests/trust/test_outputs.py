@@ -17,6 +17,7 @@ from tests.trust.workspace import FORMS, Workspace, commands, make
 OTHERS = {
     ("new domain", "--into"),
     ("bench run", "--out"),
+    ("bench kinder", "--keep"),
     ("robot import", "--out"),
     ("import dlplan", "--out"),
     ("import runir", "--out"),

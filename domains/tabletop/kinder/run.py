@@ -116,20 +116,24 @@ def run_all(
     seeds: Sequence[int],
     timeout: float,
     told: Callable[[Record], None],
+    known: Sequence[Record] = (),
 ) -> list[Record]:
-    """All problems, one environment after the other; `told` of each. The robot file is made, once,
-    beside the interpreter of KinDER's environment.
+    """All problems, one environment after the other; `told` of each that is played, which those
+    are not that are `known`. The robot file is made, once, beside the interpreter of KinDER's
+    environment, which is not started where there is nothing to play.
 
     Raises:
         InputError: KinDER cannot be started, or has no such environment.
     """
-    records = []
-    with KinderProcess(python) as kinder:
-        robot = python.absolute().parent.parent / "robot" / f"{NAME}.toml"
-        if not robot.exists():
-            make_robot(kinder.assets(), robot.parent)
-        for env in envs:
-            for seed in seeds:
-                records.append(run_problem(kinder, robot, env, seed, timeout))
-                told(records[-1])
-    return records
+    records = {(record.env, record.seed): record for record in known}
+    wanted = [(env, seed) for env in envs for seed in seeds]
+    missing = [problem for problem in wanted if problem not in records]
+    if missing:
+        with KinderProcess(python) as kinder:
+            robot = python.absolute().parent.parent / "robot" / f"{NAME}.toml"
+            if not robot.exists():
+                make_robot(kinder.assets(), robot.parent)
+            for env, seed in missing:
+                record = records[env, seed] = run_problem(kinder, robot, env, seed, timeout)
+                told(record)
+    return [records[problem] for problem in wanted]
