@@ -70,13 +70,20 @@ class Watchable(Protocol):
         ...
 
 
+class UnsayableError(Exception):
+    """No scene can begin in a state; the text says why."""
+
+
 @runtime_checkable
 class Restartable(Protocol):
     """A problem whose states can be written as scenes that begin there."""
 
     def scene_files(self, state: Any) -> Mapping[str, str]:
-        """Endings of file names and texts, the scene first; empty where the scene's format has no
-        words for the state."""
+        """Endings of file names and texts, the scene first.
+
+        Raises:
+            UnsayableError: the scene's format has no words for the state.
+        """
         ...
 
 
@@ -243,10 +250,14 @@ class ClassicalReporting:
         return TextPicture(tuple(picture(state)) if picture is not None else (repr(state),))
 
     def scene_files(self, state: Any) -> Mapping[str, str]:
-        """What the domain's problem has as the text of a scene (`scene(state)`), if it has that."""
+        """What the domain's problem has as the text of a scene (`scene(state)`)."""
         scene = getattr(self.problem.problem, "scene", None)
-        text = None if scene is None else scene(state)
-        return {} if text is None else {".toml": text}
+        if scene is None:
+            raise UnsayableError("its domain writes no scenes")
+        text = scene(state)
+        if text is None:
+            raise UnsayableError("scenes of its domain cannot begin in such a state")
+        return {".toml": text}
 
     def hopeless(self, solves: Solves | None = None) -> list[dict[str, Any]]:
         """Nothing is known before the search."""

@@ -30,7 +30,7 @@ from sketchlang.domain import LoadOptions
 class TabletopProblem:
     """A task that can be searched; `schemas` are actions besides driving, picking, placing. It
     starts in the state `start`, or as the scene describes. In plans, base and arm move at once
-    where they can, or each `in_turn`."""
+    where they can, or each `in_turn`. `file` is that of the scene, if it was read from one."""
 
     def __init__(
         self,
@@ -39,8 +39,10 @@ class TabletopProblem:
         schemas: Sequence[ActionSchema] = (),
         in_turn: bool = False,
         start: State | None = None,
+        file: Path | None = None,
     ) -> None:
         self.world = world
+        self.file = file
         self.in_turn = in_turn
         self.start = start
         self.profile = Profile()
@@ -94,4 +96,4 @@ def load_problem(path: str, options: LoadOptions) -> TabletopProblem:
     robot = load_robot(options.robot or DEFAULT_ROBOT)
     schemas = [Added.of(schema) for schema in options.actions.values()]
     world = TabletopWorld.of(scene, robot)
-    return TabletopProblem(world, options.seed, schemas, options.in_turn)
+    return TabletopProblem(world, options.seed, schemas, options.in_turn, file=Path(path))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -16,7 +16,7 @@ from domains.tabletop.why.before import before
 from domains.tabletop.world import TabletopWorld
 from runtime.plan.model import Plan
 from runtime.plan.write import write_plan
-from runtime.reporting import Profile, Solves
+from runtime.reporting import Profile, Solves, UnsayableError
 from runtime.search.siw_r import Outcome
 from sketchlang.domain import Picture
 from sketchlang.loader import Loaded
@@ -110,6 +110,14 @@ class TabletopReporting:
         from runtime.show.top_picture import TopPicture
 
         return TopPicture(view_of_state(state))
+
+    def scene_files(self, state: State) -> Mapping[str, str]:
+        """The scene's file with this state at the start."""
+        from domains.tabletop.started import started_from
+
+        if self.problem.file is None:
+            raise UnsayableError("the problem was not read from a file")
+        return {".toml": started_from(self.problem.world, state, self.problem.file)}
 
     def hopeless(self, solves: Solves | None = None) -> list[dict[str, Any]]:
         """What makes the task impossible, whatever a search would do; nothing is certain where

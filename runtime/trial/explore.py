@@ -6,12 +6,13 @@ import heapq
 from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 
 from runtime.search.guide import Guide, Values
 from runtime.search.limits import Limits, OutOfTimeError
-from runtime.search.problem import Action, Rejection, SearchProblem, State
+from runtime.search.problem import Action, Rejection, SearchProblem, State, Subproblem
 
 WALK = 200
 """Steps of a random walk."""
@@ -23,14 +24,32 @@ RISING = 8
 """A feature that reaches one part in so many of the steps of a climb is taken to be unbounded."""
 
 
+class Sample(NamedTuple):
+    """How a subproblem was sampled: with these two it can be sampled again."""
+
+    seed: int
+    attempt: int = 0
+
+    @classmethod
+    def drawn(cls, rng: np.random.Generator, attempt: int = 0) -> Sample:
+        """One more."""
+        return cls(int(rng.integers(1 << 32)), attempt)
+
+    def of(self, problem: SearchProblem, state: State) -> Subproblem:
+        """The subproblem."""
+        return problem.subproblem(state, self.attempt, np.random.default_rng(self.seed))
+
+
 @dataclass(eq=False)
 class Seen:
-    """A state, its feature values, and how it was reached."""
+    """A state, its feature values, and how it was reached: `sample` is that of the subproblem which
+    the action is from, None where that is the one of the action before."""
 
     state: State
     values: Values
     parent: Seen | None = None
     action: Action = None
+    sample: Sample | None = None
 
     def actions(self) -> list[str]:
         """The actions from the scene's initial state to this one, as texts."""
@@ -38,10 +57,21 @@ class Seen:
 
     def path(self) -> list[Action]:
         """The actions from the scene's initial state to this one."""
-        found: list[Action] = []
+        return [seen.action for seen in self._steps()]
+
+    def states(self) -> list[State]:
+        """The states after each of them, which is this one after the last."""
+        return [seen.state for seen in self._steps()] or [self.state]
+
+    def samples(self) -> list[Sample | None]:
+        """What each of them is sampled from."""
+        return [seen.sample for seen in self._steps()]
+
+    def _steps(self) -> list[Seen]:
+        found: list[Seen] = []
         seen: Seen | None = self
         while seen is not None and seen.parent is not None:
-            found.append(seen.action)
+            found.append(seen)
             seen = seen.parent
         return found[::-1]
 
@@ -56,11 +86,8 @@ class Explored:
     cut: bool = False
 
 
-def successors(
-    problem: SearchProblem, state: State, rng: np.random.Generator
-) -> Iterator[tuple[Action, State]]:
-    """The executable actions of a state, as they are sampled there."""
-    subproblem = problem.subproblem(state, 0, rng)
+def successors(subproblem: Subproblem, state: State) -> Iterator[tuple[Action, State]]:
+    """The executable actions of a state, as far as they were sampled."""
     for action, after in subproblem.actions(state):
         if not isinstance(subproblem.execute(state, action), Rejection):
             yield action, after
@@ -103,10 +130,11 @@ def _flood(
     queue = deque(known.values())
     while queue:
         seen = queue.popleft()
-        for action, after in successors(problem, seen.state, rng):
+        sample = Sample.drawn(rng)
+        for action, after in successors(sample.of(problem, seen.state), seen.state):
             limits.check()
             if after not in known:
-                known[after] = Seen(after, guide.values(after), seen, action)
+                known[after] = Seen(after, guide.values(after), seen, action, sample)
                 queue.append(known[after])
         if len(known) > most:
             return False
@@ -129,12 +157,13 @@ def _walk(
         for _ in range(WALK):
             steps += 1
             limits.check()
-            choices = list(successors(problem, seen.state, rng))
+            sample = Sample.drawn(rng)
+            choices = list(successors(sample.of(problem, seen.state), seen.state))
             if not choices or len(known) >= most:
                 break
             action, after = choices[int(rng.integers(len(choices)))]
             if after not in known:
-                known[after] = Seen(after, guide.values(after), seen, action)
+                known[after] = Seen(after, guide.values(after), seen, action, sample)
             seen = known[after]
 
 
@@ -159,11 +188,12 @@ def climb(
         taken += 1
         if seen.values[feature] > highest.values[feature]:
             highest, when = seen, taken
-        for action, after in successors(problem, seen.state, rng):
+        sample = Sample.drawn(rng)
+        for action, after in successors(sample.of(problem, seen.state), seen.state):
             limits.check()
             if after not in known:
                 known.add(after)
-                child = Seen(after, guide.values(after), seen, action)
+                child = Seen(after, guide.values(after), seen, action, sample)
                 heapq.heappush(queue, (-child.values[feature], -len(known), child))
     risen = highest.values[feature] - root.values[feature]
     still = when > 0.9 * taken

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from runtime.search.classical import ClassicalProblem
 from runtime.search.guide import GOAL, Guide, Values
 from runtime.search.limits import Limits, OutOfPatienceError, OutOfTimeError
 from runtime.search.problem import Action, SearchProblem
-from runtime.trial.explore import Explored, Seen, climb, explore
+from runtime.trial.explore import Explored, Sample, Seen, climb, explore
 from runtime.trial.width import Width, width_of
 from sketchlang.analysis.limits import Budget
 from sketchlang.analysis.termination import NonTerminating, decide_termination
@@ -50,8 +51,9 @@ class Effort:
 @dataclass(frozen=True)
 class Finding:
     """`kind` is one of `invariant`, `bounded`, `dead-end`, `width`, `uncovered`, `never-fires`,
-    `endless`; `actions` lead from the scene's initial state to where it can be seen, `done` says
-    them in a few words."""
+    `endless`; `actions` lead from the scene's initial state to where it can be seen, as they are
+    sampled (`Seen`); `done` says them in a few words. `states` are those on the way, and last
+    this one."""
 
     kind: str
     text: str
@@ -60,6 +62,8 @@ class Finding:
     done: str = ""
     state: str | None = None
     values: Values | None = None
+    samples: tuple[Sample | None, ...] = ()
+    states: tuple[Any, ...] = field(default=(), compare=False, repr=False)
 
     @property
     def is_error(self) -> bool:
@@ -198,8 +202,11 @@ class Examiner:
             if len(run) >= self.effort.subproblems:
                 break
             run[seen.state] = seen
-            for action, after in self._width(problem, guide, seen).path:
-                seen = Seen(after, guide.values(after), seen, action)
+            found = self._width(problem, guide, seen)
+            sample = found.sample
+            for action, after in found.path:
+                seen = Seen(after, guide.values(after), seen, action, sample)
+                sample = None
         return list(run.values())
 
     def _width(self, problem: SearchProblem, guide: Guide, seen: Seen) -> Width:
@@ -274,9 +281,19 @@ class Examiner:
             self.trial.findings.append(Finding(kind, text, scene))
             return
         done = self._describe(seen.path()) if seen.parent is not None else ""
-        actions = tuple(seen.actions())
-        finding = Finding(kind, text, scene, actions, done, shown(seen.state), seen.values)
-        self.trial.findings.append(finding)
+        self.trial.findings.append(
+            Finding(
+                kind,
+                text,
+                scene,
+                tuple(seen.actions()),
+                done,
+                shown(seen.state),
+                seen.values,
+                tuple(seen.samples()),
+                tuple(seen.states()),
+            )
+        )
 
 
 def _possible(rule: Rule, values: Values) -> bool:

@@ -1,34 +1,34 @@
-"""Findings as files: a scene, and the actions that lead to the state that shows something."""
+"""Findings as files: a scene, and the actions that lead to the state that shows something.
+
+Actions of domains with geometry are sampled, so each has the seed with it of which it was.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from runtime.reporting import Restartable
 from runtime.search.guide import Values
 from runtime.search.problem import SearchProblem
-from runtime.trial.explore import successors
+from runtime.trial.explore import Sample, successors
 from sketchlang.compile import CompiledSketch
 from sketchlang.errors import InputError
 from sketchlang.reading import read_json
 
-if TYPE_CHECKING:
-    from runtime.solve import Task
-
 
 @dataclass(frozen=True)
 class Recorded:
-    """What a file says of a finding."""
+    """What a file says of a finding; see `Seen` for the samples that its actions are from."""
 
     file: str
     scene: str
     seed: int
     text: str
     actions: tuple[str, ...]
+    samples: tuple[Sample | None, ...]
 
 
 def read(file: str, format_: str) -> Recorded:
@@ -51,28 +51,47 @@ def read(file: str, format_: str) -> Recorded:
         or not all(isinstance(action, str) for action in actions)
     ):
         raise InputError("`scene`, `seed`, `text` or `actions` is not as it should be", place=file)
-    return Recorded(file, scene, seed, text, tuple(actions))
+    samples = _samples(data.get("samples", [None] * len(actions)))
+    if samples is None or len(samples) != len(actions):
+        raise InputError("`samples` is not as it should be", place=file)
+    return Recorded(file, scene, seed, text, tuple(actions), samples)
 
 
-def states(
-    problem: SearchProblem, file: str, seed: int, actions: Sequence[str]
-) -> Iterator[tuple[str, Any]]:
-    """Each action with the state after it, the start first.
+def _samples(values: Any) -> tuple[Sample | None, ...] | None:
+    """The samples of a file: null, or a seed and the number of the attempt."""
+    if not isinstance(values, list):
+        return None
+    for value in values:
+        numbers = [] if value is None else value
+        if not isinstance(numbers, list) or len(numbers) not in (0, 2):
+            return None
+        if not all(type(number) is int and 0 <= number < 1 << 32 for number in numbers):
+            return None
+    return tuple(Sample(*value) if value else None for value in values)
+
+
+def states(problem: SearchProblem, found: Recorded) -> Iterator[tuple[str, Any]]:
+    """Each action of a finding with the state after it, the start first.
 
     Raises:
         InputError: an action is not possible where it is asked for.
     """
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(found.seed)
     state = problem.initial
+    subproblem = problem.subproblem(state, 0, rng)
     yield "(start)", state
-    for number, wanted in enumerate(actions, start=1):
-        for action, after in successors(problem, state, rng):
+    for number, (wanted, sample) in enumerate(
+        zip(found.actions, found.samples, strict=True), start=1
+    ):
+        if sample is not None:
+            subproblem = sample.of(problem, state)
+        for action, after in successors(subproblem, state):
             if str(action) == wanted:
                 state = after
                 break
         else:
             raise InputError(
-                f"action {number}, {wanted!r}, is not possible in this scene", place=file
+                f"action {number}, {wanted!r}, is not possible in this scene", place=found.file
             )
         yield wanted, state
 
@@ -85,18 +104,5 @@ def replayed(
     Raises:
         InputError: an action is not possible where it is asked for.
     """
-    for action, state in states(problem, found.file, found.seed, found.actions):
+    for action, state in states(problem, found):
         yield action, sketch.evaluate(state)
-
-
-def scene_files(task: Task, file: str, seed: int, actions: Sequence[str]) -> Mapping[str, str]:
-    """A scene that starts in the state to which actions lead, see `Restartable`; empty where the
-    domain cannot write one.
-
-    Raises:
-        InputError: an action is not possible where it is asked for.
-    """
-    if not isinstance(task.reporting, Restartable):
-        return {}
-    *_, (_, state) = states(task.problem, file, seed, actions)
-    return task.reporting.scene_files(state)

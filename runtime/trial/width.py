@@ -13,20 +13,21 @@ from runtime.search.iw import iw
 from runtime.search.limits import Limits
 from runtime.search.problem import Action, SearchProblem, State
 from runtime.search.query import Query
-from runtime.trial.explore import successors
+from runtime.trial.explore import Sample, successors
 
 
 @dataclass(frozen=True)
 class Width:
     """`width` is the least k for which IW(k) finds a subgoal: one action for 0; None if no k
-    tried does. `rule` is the one that the subgoal satisfies, `path` leads there. `reachable`
-    tells, where no subgoal was found, whether there is any; None if that was too much to find
-    out."""
+    tried does. `rule` is the one that the subgoal satisfies, `path` leads there, through the
+    subproblem of `sample`. `reachable` tells, where no subgoal was found, whether there is any;
+    None if that was too much to find out."""
 
     width: int | None
     rule: str | None
     path: tuple[tuple[Action, State], ...]
     reachable: bool | None
+    sample: Sample | None = None
 
 
 def width_of(
@@ -45,20 +46,21 @@ def width_of(
     Raises:
         OutOfTimeError: when the limits say so.
     """
-    for action, after in successors(problem, state, rng):
+    sample = Sample.drawn(rng)
+    for action, after in successors(sample.of(problem, state), state):
         limits.check()
         rule = guide.fired(values, guide.values(after), after)
         if rule is not None:
-            return Width(0, rule, ((action, after),), True)
+            return Width(0, rule, ((action, after),), True, sample)
     attempts = 1 if isinstance(problem, ClassicalProblem) else limits.attempts
     for k in range(1, k_max + 1):
         for attempt in range(attempts):
-            subproblem = problem.subproblem(state, attempt, rng)
-            found = iw(Query(guide, subproblem, state, values, k, limits))
+            sample = Sample.drawn(rng, attempt)
+            found = iw(Query(guide, sample.of(problem, state), state, values, k, limits))
             if found is not None:
                 node, rule = found
                 path = tuple((step.action, step.state) for step in node.path())
-                return Width(k, rule, path, True)
+                return Width(k, rule, path, True, sample)
     reachable = _any_subgoal(problem, guide, state, values, most, limits, rng)
     return Width(None, None, (), reachable)
 
@@ -75,7 +77,8 @@ def _any_subgoal(
     known = {state}
     queue = deque([state])
     while queue:
-        for _, after in successors(problem, queue.popleft(), rng):
+        here = queue.popleft()
+        for _, after in successors(Sample.drawn(rng).of(problem, here), here):
             limits.check()
             if after in known:
                 continue

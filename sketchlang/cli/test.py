@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +15,7 @@ from sketchlang.cli import names
 from sketchlang.cli.common import Number, domain_option, fail, interruptible, load_valid, say
 
 if TYPE_CHECKING:
+    from runtime.reporting import Reporting
     from runtime.solve import Task
     from runtime.trial.findings import Finding, Trial
     from sketchlang.loader import Loaded
@@ -100,6 +102,7 @@ def command(
       sketchlang test my.sketch --scenes a.toml --scenes b.toml --out findings
       sketchlang test my.sketch --replay findings/1-invariant.json
     """
+    from runtime.solve import open_task
     from runtime.trial.findings import Effort
     from sketchlang.compile import EvaluationError
     from sketchlang.domain import SceneError
@@ -112,8 +115,9 @@ def command(
             return
         names = scenes or _own_scenes(loaded)
         effort = Effort(states=states, subproblems=subproblems, k_max=k_max)
-        trial = _examined(loaded, names, effort, time_limit, seed)
-        files = [] if out is None else _write(Path(out), loaded, trial, seed)
+        tasks = [open_task(loaded.checked, scene, seed) for scene in names]
+        trial = _examined(loaded, tasks, effort, time_limit, seed)
+        written = [] if out is None else _write(Path(out), tasks, trial, seed)
     except (InputError, SceneError) as error:
         fail(error)
     except EvaluationError as error:
@@ -123,7 +127,7 @@ def command(
 
         click.echo(dumps(_as_json(trial), indent=2))
     else:
-        _print(trial, k_max, files)
+        _print(trial, k_max, written)
     bad = any(finding.is_error or strict for finding in trial.findings)
     sys.exit(1 if bad else 0)
 
@@ -143,11 +147,11 @@ def _own_scenes(loaded: Loaded) -> list[str]:
     return names
 
 
-def _examined(loaded: Loaded, scenes: Any, effort: Any, time_limit: float, seed: int) -> Trial:
-    from runtime.solve import open_task
+def _examined(
+    loaded: Loaded, tasks: Sequence[Task], effort: Any, time_limit: float, seed: int
+) -> Trial:
     from runtime.trial.findings import Examiner
 
-    tasks = [open_task(loaded.checked, scene, seed) for scene in scenes]
     examiner = Examiner(loaded.checked, effort, seed)
     started = time.perf_counter()
     for number, task in enumerate(tasks):
@@ -193,10 +197,11 @@ def _finding(finding: Finding, names: list[str]) -> dict[str, Any]:
         "actions": list(finding.actions),
         "state": finding.state,
         "values": None if values is None else dict(zip(names, values, strict=True)),
+        "samples": list(finding.samples),
     }
 
 
-def _print(trial: Trial, k_max: int, files: list[Path]) -> None:
+def _print(trial: Trial, k_max: int, written: list[str]) -> None:
     name = trial.model.name
     for finding in trial.findings:
         say(f"{'error' if finding.is_error else 'warning'}[{finding.kind}]: {finding.text}")
@@ -218,8 +223,8 @@ def _print(trial: Trial, k_max: int, files: list[Path]) -> None:
             say(f"  {rule}: {_width(trial.widths[rule], k_max)}")
     if trial.out_of_time:
         say("The time was over before all was looked at.")
-    for file in files:
-        say(f"written: {file}")
+    for line in written:
+        say(line)
     errors = sum(finding.is_error for finding in trial.findings)
     warnings = counted(len(trial.findings) - errors, "warning")
     say(f"{name}: {counted(errors, 'error')}, {warnings}")
@@ -229,10 +234,9 @@ def _width(width: int | None, k_max: int) -> str:
     return f"more than {k_max}" if width is None else str(width)
 
 
-def _write(folder: Path, loaded: Loaded, trial: Trial, seed: int) -> list[Path]:
-    """A file for each finding that a state shows, and scenes that start in these states."""
-    from runtime.solve import open_task
-    from runtime.trial.replay import scene_files
+def _write(folder: Path, tasks: Sequence[Task], trial: Trial, seed: int) -> list[str]:
+    """A file for each finding that a state shows, and scenes that start in these states; what was
+    written, and why what was not."""
     from sketchlang.errors import InputError
     from sketchlang.escape import dumps
     from sketchlang.files import check_output, write_text
@@ -243,20 +247,41 @@ def _write(folder: Path, loaded: Loaded, trial: Trial, seed: int) -> list[Path]:
     except OSError as error:
         raise InputError(f"{error.strerror or error}", place=str(folder)) from error
     names = [feature.name for feature in trial.model.features]
-    tasks: dict[str | None, Task] = {}
-    files: list[Path] = []
+    reports = {task.scene: task.reporting for task in tasks}
+    said: list[str] = []
     for number, finding in enumerate((f for f in trial.findings if f.scene), start=1):
         path = folder / f"{number}-{finding.kind}.json"
         content = {"format": FORMAT, "version": 1, "sketch": trial.model.name, "seed": seed}
         write_text(path, dumps(content | _finding(finding, names), indent=2) + "\n")
-        files.append(path)
-        if finding.scene not in tasks:
-            tasks[finding.scene] = open_task(loaded.checked, str(finding.scene), seed)
-        scenes = scene_files(tasks[finding.scene], str(path), seed, finding.actions)
+        said.append(f"written: {path}")
+        said += _write_scene(path, reports[str(finding.scene)], finding)
+    return said
+
+
+def _write_scene(path: Path, reporting: Reporting, finding: Finding) -> list[str]:
+    """Beside a finding's file, a scene that starts in its state, or in the last one on the way to
+    it that scenes have words for."""
+    from runtime.reporting import Restartable, UnsayableError
+    from sketchlang.files import write_text
+
+    if not isinstance(reporting, Restartable):
+        return []
+    why = ""
+    for before, state in enumerate(reversed(finding.states)):
+        try:
+            scenes = reporting.scene_files(state)
+        except UnsayableError as error:
+            why = why or str(error)
+            continue
+        said = []
         for ending, text in scenes.items():
-            files.append(path.with_name(path.stem + ending))
-            write_text(files[-1], text)
-    return files
+            beside = path.with_name(path.stem + ending)
+            write_text(beside, text)
+            said.append(f"written: {beside}")
+        if why:
+            said.append(f"  It starts {counted(before, 'action')} earlier: {why}.")
+        return said
+    return [f"  No scene starts there: {why}."]
 
 
 def _replay(loaded: Loaded, file: str) -> None:

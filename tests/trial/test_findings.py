@@ -183,7 +183,9 @@ def test_findings_are_written_and_replayed(tmp_path: Path) -> None:
     assert result.exit_code == 0, result.output
     last = result.output.splitlines()[-1]
     assert all(f"{name} = {value}" in last for name, value in written["values"].items())
-    file.write_text(json.dumps(written | {"actions": ["fly"]}))
+    file.write_text(json.dumps(written | {"samples": [[1, 2, 3]] * len(written["actions"])}))
+    assert "`samples` is not as it should be" in run("test", sketch, "--replay", file).stderr
+    file.write_text(json.dumps(written | {"actions": ["fly"], "samples": [None]}))
     result = run("test", sketch, "--replay", file)
     assert result.exit_code == 2
     assert "'fly', is not possible" in result.stderr
