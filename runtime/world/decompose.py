@@ -1,6 +1,7 @@
-"""A mesh as convex hulls: approximate convex decomposition (CoACD; Wei et al. 2022).
+"""A mesh as convex hulls: exact ones where it is a stack of prisms (`layers.py`), else those of an
+approximate convex decomposition (CoACD; Wei et al. 2022).
 
-It takes seconds, so its result is kept in the user's cache folder, by the digest of the mesh
+That takes seconds, so the result is kept in the user's cache folder, by the digest of the mesh
 and of all settings; where that cannot be written it is computed anew, silently.
 """
 
@@ -14,6 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from runtime.world.body import Mesh, Part
+from runtime.world.layers import layers_of
 from runtime.world.poses import upright
 from runtime.world.solids import Floats, Hull
 from sketchlang.files import cache_folder
@@ -75,12 +77,21 @@ def _decompose(mesh: Mesh, watertight: bool) -> list[Part]:
     around = ConvexHull(mesh.vertices)
     if watertight and around.volume <= volume_and_centre(mesh)[0] * (1 + CONVEX):
         return [_part(_thinned(mesh.vertices[around.vertices]))]
-    path = cache_folder() / f"hulls-{_digest(mesh)}.json"
-    points = _read(path)
+    points = _by_layers(mesh)
     if points is None:
-        points = _by_coacd(mesh)
-        _write(path, points)
+        path = cache_folder() / f"hulls-{_digest(mesh)}.json"
+        points = _read(path)
+        if points is None:
+            points = _by_coacd(mesh)
+            _write(path, points)
     return [_part(corners) for corners in points]
+
+
+def _by_layers(mesh: Mesh) -> list[Floats] | None:
+    """The pieces of a stack of prisms, which take no time and are exact; None where it is none,
+    or has too many pieces."""
+    found = layers_of(mesh)
+    return found if found is not None and len(found) <= MOST_HULLS else None
 
 
 def _by_coacd(mesh: Mesh) -> list[Floats]:
