@@ -99,6 +99,20 @@ def misplaced(state: State, o: Object) -> bool:
 
 
 @domain.function(ignores="base")
+def settled(state: State, o: Object) -> bool:
+    """Whether an object rests where the scene wants it, and so does all that it stands on."""
+    found: bool = o in _features().settled(state)
+    return found
+
+
+@domain.function(ignores="base")
+def next_to_settle(state: State, o: Object) -> bool:
+    """Whether an object is not settled, and all that it is to stand on is."""
+    found: bool = o in _features().next_to_settle(state)
+    return found
+
+
+@domain.function(ignores="base")
 def goal_placements(state: State, o: Object) -> tuple[Placement, ...]:
     """Unoccupied placements in which an object would be where the scene wants it."""
     found: tuple[Placement, ...] = _features().goal_placements(state, o)
@@ -140,6 +154,13 @@ def object_at(state: State) -> Iterable[Hashable]:
     if state.held is not None:
         atoms[state.held] = (state.held, state.grasp)
     return atoms
+
+
+@domain.atom
+def arrangement(state: State) -> Iterable[Hashable]:
+    """What every object rests on, and where the base is: one atom for all of it."""
+    on = tuple(None if p is None else p.support for p in state.placements)
+    return ((state.base, on),)
 
 
 @domain.drawing

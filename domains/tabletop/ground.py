@@ -8,19 +8,22 @@ from functools import cached_property
 import numpy as np
 
 from runtime.world.poses import Floats, Pose, apply
+from runtime.world.world import Peg
 
 
 @dataclass(frozen=True, eq=False)
 class Ground:
     """A region that things may rest on. `owner` is the index of the object that it belongs to,
     None where it does not move; `pose` (3, 4) puts its middle into the world, or into the
-    standing frame of its owner. `half` are half its extents, `clearance` what is free above."""
+    standing frame of its owner. `half` are half its extents, `clearance` what is free above, but
+    for a `peg`, over which what stands there has to go."""
 
     name: str
     owner: int | None
     pose: Pose
     half: tuple[float, float]
     clearance: float
+    peg: Peg | None = None
 
     @property
     def yaw(self) -> float:

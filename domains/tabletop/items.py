@@ -17,6 +17,7 @@ from domains.tabletop.hand import Hand
 from domains.tabletop.outlines import FRICTION, Slab, around, room_within
 from domains.tabletop.rims import PALM_AIR, outermost, rim_of
 from domains.tabletop.state import PINCH, SIDE, SLANT, SLOPE, TOP, UNIT, Grasp
+from domains.tabletop.steps import beside_steps
 from runtime.world.body import Body, Part
 from runtime.world.outline import vertices_and_edges
 from runtime.world.packed import UPRIGHT
@@ -278,7 +279,10 @@ class Item:
     def _grasp_height(self, hand: Hand, family: int) -> float | None:
         tall = self.size[2]
         if family == SIDE:
-            return min(GRASP_HEIGHT, 0.6 * tall)
+            wanted = min(GRASP_HEIGHT, 0.6 * tall)
+            if len(self.parts) == 1:
+                return wanted
+            return beside_steps(self.section, wanted, hand.pad, tall)
         if family == PINCH:
             return tall / 2
         if family == SLANT:

@@ -39,8 +39,10 @@ def load_of(world: TabletopWorld, placements: Placements, index: int) -> tuple[i
 
 
 def _is_flat(world: TabletopWorld, index: int) -> bool:
-    widths = [2 * min(world.grounds[ground].half) for ground in world.owned[index]]
-    return max(widths) >= FLAT * world.items[index].size[2]
+    # What stands around a knob or a hole is not on a tray: it is taken off first.
+    tops = [world.grounds[support] for support in world.owned[index]]
+    widths = [2 * min(ground.half) for ground in tops if ground.peg is None]
+    return max(widths, default=0.0) >= FLAT * world.items[index].size[2]
 
 
 def tall(world: TabletopWorld, placements: Placements, index: int, face: int = 0) -> float:

@@ -6,6 +6,8 @@ import math
 
 from domains.tabletop.ground import Ground
 from domains.tabletop.items import Item
+from runtime.world.pegs import hollow_of
+from runtime.world.world import Peg
 
 INSET = 0.005
 """Metres between the edge of a support and the outline of an object placed on it."""
@@ -17,9 +19,18 @@ def has_room(ground: Ground, item: Item) -> bool:
     return spans is not None and item.size[2] <= ground.clearance - INSET
 
 
+def goes_over(item: Item, peg: Peg) -> bool:
+    """Whether an object can stand where a peg rises into its hollow, if it does rise."""
+    hollow = hollow_of(item.parts) if peg.height else None
+    return not peg.height or (hollow is not None and hollow.goes_over(peg))
+
+
 def room_on(ground: Ground, item: Item) -> tuple[list[float] | None, list[float] | None]:
     """Half the room for the middle of an object on a support, along its x and y; and the
-    headings that fit, where not all do: a long thing lies along the sides."""
+    headings that fit, where not all do: a long thing lies along the sides. Around a peg or a hole
+    there is one place; over a peg, for what is hollow."""
+    if ground.peg is not None:
+        return ([0.0, 0.0] if goes_over(item, ground.peg) else None), None
     inset = item.outer_radius + INSET
     spans = [half - inset for half in ground.half]
     slim = max(item.size[:2]) > 2.5 * min(item.size[:2])

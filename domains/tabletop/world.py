@@ -27,7 +27,7 @@ from domains.tabletop.ground import Ground
 from domains.tabletop.hand import Hand, hand_of
 from domains.tabletop.items import Item
 from domains.tabletop.memory import Memory
-from domains.tabletop.room import INSET
+from domains.tabletop.room import INSET, goes_over
 from domains.tabletop.scene.model import (
     AnyGoal,
     HeldGoal,
@@ -47,7 +47,7 @@ from runtime.world.packed import UPRIGHT, PackedBodies, pack_bodies, upright_row
 from runtime.world.poses import Floats, Pose, compose, upright
 from runtime.world.solids import Box
 from runtime.world.stable import ANY_TURN
-from runtime.world.world import World
+from runtime.world.world import Peg, World
 from sketchlang.analysis.words import listed
 from sketchlang.errors import InputError
 
@@ -60,6 +60,9 @@ Placements = tuple[Placement | None, ...]
 
 MIDDLES: Floats = np.arange(HEADINGS, dtype=np.float64) * STEP
 """The K headings, radians."""
+
+OVER = 1e-4
+"""Metres by which what stands over a peg may be off the peg's middle."""
 
 SAME_HEADING = 4
 """Decimals, in radians, to which headings are told apart when it comes to how a thing is held."""
@@ -569,9 +572,15 @@ class TabletopWorld:
     ) -> Ints:
         """Bits of the `wanted` headings (S,) from which the robot could take, at sites (S, 3),
         something that is held in a way, as far as what never moves is concerned."""
-        open_ways = swept.open_headings(
-            sites, hold.rows, hold.height, own, self.statics, self.hand.sweeps[family]
-        )
+        sweeps = self.hand.sweeps[family]
+        open_ways = swept.open_headings(sites, hold.rows, hold.height, own, self.statics, sweeps)
+        for support in self.pegs:  # what stands there goes over the peg
+            over = np.abs(sites[:, :2] - self.grounds[support].pose[:2, 3]).max(axis=1) < OVER
+            if over.any():
+                beside = self._statics_beside(support)
+                open_ways[over] = swept.open_headings(
+                    sites[over], hold.rows, hold.height, own, beside, sweeps
+                )
         open_ways &= hold.fits & wanted
         out: Ints = np.zeros(len(sites), dtype=np.int64)
         for height in np.unique(sites[:, 2]).tolist():
@@ -598,6 +607,81 @@ class TabletopWorld:
                     *self.room.floor,
                 )  # fmt: skip
         return out
+
+    @cached_property
+    def pegs(self) -> tuple[int, ...]:
+        """The supports around pegs that never move."""
+        return tuple(i for i, g in enumerate(self.grounds) if g.peg is not None and g.owner is None)
+
+    def statics_at(self, x: float, y: float) -> Floats:
+        """The boxes of what never moves (w, 8), but for a peg that rises at a point: what stands
+        there goes over it."""
+        support = self._peg_at(x, y)
+        return self.statics if support is None else self._statics_beside(support)
+
+    def peg_over(self, support: int, at: tuple[float, float, float, float]) -> Peg | None:
+        """The peg that rises into what rests on a support at x, y, height and heading: that of the
+        support, or one that comes through a hole in what the support belongs to."""
+        own = self.grounds[support].peg
+        if own is not None and own.height:
+            return own
+        through = self._peg_at(at[0], at[1]) if self.pegs else None
+        if through is None:
+            return None
+        ground = self.grounds[through]
+        assert ground.peg is not None
+        height = ground.height + ground.peg.height - at[2]
+        return Peg(ground.peg.radius, height) if height > 0 else None
+
+    def _peg_at(self, x: float, y: float) -> int | None:
+        for support in self.pegs:
+            px, py = self.grounds[support].pose[:2, 3]
+            if abs(px - x) < OVER and abs(py - y) < OVER:
+                return support
+        return None
+
+    def _statics_beside(self, support: int) -> Floats:
+        """The boxes of what never moves but for the peg of a support (w, 8)."""
+
+        def compute() -> Floats:
+            owner = self.scene.supports[support].owner
+            names = [thing.name for thing in self.scene.world.fixed for _ in thing.body.parts]
+            return self.statics[[name != owner for name in names]]
+
+        return self.memory.answer("beside pegs", support, compute)
+
+    def part_rows(self, index: int, at: tuple[float, float, float, float], face: int = 0) -> Floats:
+        """The upright boxes (k, 8) around the solids of an object that rests at x, y, height and
+        heading on a face, but for those of its pegs: what goes over them is not barred by them."""
+        kind = self.kinds[index]
+        rows = self.memory.answer(
+            "part rows", (kind, face), lambda: self._part_rows(kind, face)
+        ).copy()
+        c, s = math.cos(at[3]), math.sin(at[3])
+        turn = np.array([[c, s], [-s, c]])
+        rows[:, :2] = rows[:, :2] @ turn + at[:2]
+        rows[:, 2] += at[2]
+        rows[:, 6:] = rows[:, 6:] @ turn
+        return rows
+
+    def _part_rows(self, index: int, face: int) -> Floats:
+        parts = self.item(index, face).parts
+        rows = np.array([upright_row(part.solid, part.pose) for part in parts])
+        for support in () if face else self.owned.get(index, ()):
+            ground = self.grounds[support]
+            if ground.peg is not None:
+                away = np.abs(rows[:, :2] - ground.pose[:2, 3]).max(axis=1)
+                within = away + rows[:, 3:5].max(axis=1) <= ground.peg.radius + OVER
+                rows = rows[~within | (rows[:, 2] + rows[:, 5] <= ground.height)]
+        return rows
+
+    def may_rest(self, index: int, support: int, face: int = 0) -> bool:
+        """Whether an object may be put on a support at all: it is not kept to others, and where it
+        would have to go over a peg, it can."""
+        only_on, ground = self.scene.objects[index].only_on, self.grounds[support]
+        if only_on is not None and support not in only_on:
+            return False
+        return ground.peg is None or goes_over(self.item(index, face), ground.peg)
 
     def reachable_at(
         self, index: int, family: int, at: tuple[float, float, float, float], face: int = 0
@@ -732,6 +816,8 @@ class TabletopWorld:
             if ground.owner is not None or inset > min(ground.half):
                 inset = INSET + self.items[index].inner_radius
             xy = ground.lattice(LATTICE, inset)
+            if ground.peg is not None:
+                xy = np.array([ground.outside(0.0, 0.0)])
             key, region = ("region", goal.support, round(inset, 6)), ground
             tolerance, yaw = 0.0, None
         else:
@@ -818,7 +904,9 @@ def grounds_of(scene: Scene, items: tuple[Item, ...]) -> tuple[Ground, ...]:
     for support in world.supports:
         owner = index.get(support.owner)
         pose = support.pose if owner is None else compose(items[owner].standing, support.pose)
-        found.append(Ground(support.name, owner, pose, support.half, support.clearance))
+        found.append(
+            Ground(support.name, owner, pose, support.half, support.clearance, support.peg)
+        )
     return tuple(found)
 
 

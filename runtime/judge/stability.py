@@ -19,6 +19,9 @@ from runtime.judge.polygon import convex_hull, outside_by
 from runtime.world.poses import Floats
 from runtime.world.world import World
 
+SLACK = 1e-4
+"""Metres by which a plan's own rounding may miss the region of a support."""
+
 DENT = 0.001
 """Metres by which a contact in a point or along a line counts as wider: things give a little."""
 
@@ -35,7 +38,25 @@ def fault_of_rest(world: World, poses: Poses, index: int, on: str | None) -> str
         return _in_the_air(world, poses, index)
     if on is not None and all(f.support.name != on for f in under):
         return f"{name} rests on {under[0].support.name}, the plan says on {on}"
-    return falls(world, poses, _connected(world, poses, index))
+    return _not_allowed(world, poses, index, under) or falls(
+        world, poses, _connected(world, poses, index)
+    )
+
+
+def _not_allowed(world: World, poses: Poses, index: int, under: Sequence[Footing]) -> str | None:
+    """Whether a body that may rest on some supports only does: its centre of mass is over one of
+    those that bear it."""
+    thing = world.movables[index]
+    if thing.only_on is None:
+        return None
+    centre = [*centre_of(world, poses, index), 1.0]
+    for footing in under:
+        place = support_pose(world, footing.support, poses)
+        if footing.support.name in thing.only_on and place is not None:
+            local = np.linalg.inv(place) @ centre
+            if np.all(np.abs(local[:2]) <= np.array(footing.support.half) + SLACK):
+                return None
+    return f"{thing.name} rests on {under[0].support.name}, where it may not be put"
 
 
 def _in_the_air(world: World, poses: Poses, index: int) -> str:

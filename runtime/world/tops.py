@@ -39,6 +39,15 @@ class Rectangle:
         """Square metres, 0 for a rectangle that is inside out."""
         return max(0.0, self.x1 - self.x0) * max(0.0, self.y1 - self.y0)
 
+    @property
+    def half(self) -> tuple[float, float]:
+        """Half its sides, metres."""
+        return float(self.x1 - self.x0) / 2, float(self.y1 - self.y0) / 2
+
+    def middle(self, above: float = 0.0) -> Floats:
+        """The point (3,) so many metres above its middle, in its frame."""
+        return np.array([(self.x0 + self.x1) / 2, (self.y0 + self.y1) / 2, self.height + above])
+
     def turn(self) -> Floats:
         """The rotation (3, 3) from the frame around into that of the rectangle."""
         c, s = math.cos(self.yaw), math.sin(self.yaw)
@@ -56,19 +65,18 @@ def top_of(name: str, body: Body, stable: StablePose, air: float) -> Support | N
     tops = [
         _free_of(top, [other for other in placed if other is not part])
         for part in placed
-        for top in _level_top(part)
+        for top in level_tops(part)
     ]
     tops = [t for t in tops if min(t.x1 - t.x0, t.y1 - t.y0) >= max(WIDE, SLENDER * t.height)]
     if not tops:
         return None
     best = max(tops, key=lambda top: (round(top.area, 6), top.height))
-    middle = np.array([(best.x0 + best.x1) / 2, (best.y0 + best.y1) / 2, best.height + air])
-    x, y, z = (best.turn().T @ middle).tolist()
-    half = ((best.x1 - best.x0) / 2, (best.y1 - best.y0) / 2)
-    return Support(name, name, compose(invert(stable.pose), upright(x, y, z, best.yaw)), half)
+    x, y, z = (best.turn().T @ best.middle(air)).tolist()
+    pose = compose(invert(stable.pose), upright(x, y, z, best.yaw))
+    return Support(name, name, pose, best.half)
 
 
-def _level_top(part: Part) -> list[Rectangle]:
+def level_tops(part: Part) -> list[Rectangle]:
     """The level top of a solid, if it has one."""
     pose, solid = part.pose, part.solid
     up = pose[2, :3]

@@ -44,13 +44,25 @@ class Fixed:
 @dataclass(frozen=True, eq=False)
 class Movable:
     """Something that can be moved, and its pose (3, 4) at the start. `label` is shown on it
-    (a letter), `colour` is how it is painted."""
+    (a letter), `colour` is how it is painted. It may rest on the supports `only_on`, on any where
+    that is None."""
 
     name: str
     body: Body
     pose: Pose
     colour: str | None = None
     label: str | None = None
+    only_on: frozenset[str] | None = None
+
+
+@dataclass(frozen=True)
+class Peg:
+    """What stands up from the middle of a support: only what is hollow from below goes there, over
+    it. Metres: the radius of an upright cylinder around it, and how far it rises above the height
+    at which bottoms rest."""
+
+    radius: float
+    height: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +73,7 @@ class Support:
     `owner` is the name of the fixed or movable thing it belongs to (`FLOOR` for the floor).
     `pose` (3, 4) puts the middle of the region, at the height at which bottoms rest, into the
     owner's frame if that can be moved, else into the world; its z is up. `half` are half its
-    extents along x and y, `clearance` the metres free above it.
+    extents along x and y, `clearance` the metres free above it but for a `peg`, if it has one.
     """
 
     name: str
@@ -69,6 +81,7 @@ class Support:
     pose: Pose
     half: tuple[float, float]
     clearance: float = math.inf
+    peg: Peg | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -216,6 +216,9 @@ class Executor:
             return iter(())
         if asked.taken.face != placement.face:
             grip = grip_on(grip, world.item(index, placement.face), grasp)
+        x, y, z = asked.standing[:, 3].tolist()
+        peg = world.peg_over(placement.support, (x, y, z, 0.0))
+        grip = grip if peg is None else grip.off(peg, grasp.family)
         base = upright(*asked.base.pose[:2], 0.0, asked.base.pose[2])
         target = compose(invert(base), compose(asked.standing, grasp.tool))
         rng = np.random.default_rng(self._seed(asked.base, placement, grasp))

@@ -23,6 +23,7 @@ from runtime.motion.base import outline
 from runtime.robot.model import Floats, RobotModel
 from runtime.world.body import Part
 from runtime.world.poses import Pose, compose, invert
+from runtime.world.world import Peg
 
 HEADROOM = 0.01
 """Metres above others of its height to which something is drawn out."""
@@ -56,12 +57,22 @@ class Reach:
 @dataclass(frozen=True, eq=False)
 class Grip:
     """What a grasp means for the fingers, whatever the place: how far they are apart before
-    they close and then, and how far the hand draws back with the object, best first; metres.
-    From among others of its height it is drawn out upwards as a whole."""
+    they close and then, how far it is lifted, and how far the hand draws back with the object then,
+    best first; metres. From among others of its height it is drawn out upwards as a whole."""
 
     opening: float
     closed: float
     retreats: tuple[float, ...] = (APPROACH,)
+    lift: float = LIFT
+
+    def off(self, peg: Peg, family: int) -> Grip:
+        """The same where the object is over a peg: a hand that draws back upwards draws it off
+        that, another one lifts it off before."""
+        least = peg.height + HEADROOM
+        if family != TOP:
+            return replace(self, lift=max(self.lift, least))
+        lengths = (max(length, least - self.lift) for length in self.retreats)
+        return replace(self, retreats=tuple(dict.fromkeys(lengths)))
 
 
 def grip_of(item: Item, hand: Hand, grasp: Grasp) -> Grip | None:
@@ -186,7 +197,7 @@ class ReachSolver:
         if out is None or not empty.path_is_free(out, CONTACT_MARGIN):
             return None
         full = ArmContext(robot, robot.body(grip.closed, held), others)
-        up = np.array([0.0, 0.0, LIFT])
+        up = np.array([0.0, 0.0, grip.lift])
         lift = self.line(target, up, q)
         if lift is None:
             return None

@@ -30,8 +30,7 @@ from domains.tabletop.footprints import footprints_meet
 from domains.tabletop.loads import load_of, tall
 from domains.tabletop.state import Grasp, Placement
 from runtime.kernels.plane import point_distance
-from runtime.world.packed import upright_row
-from runtime.world.poses import Floats, compose
+from runtime.world.poses import Floats
 
 if TYPE_CHECKING:
     from domains.tabletop.world import Ints, Placements, SiteHold, TabletopWorld
@@ -351,6 +350,28 @@ class Arrangement:
             if not holds:
                 found.add(index)
         return frozenset(found)
+
+    @cached_property
+    def settled(self) -> frozenset[int]:
+        """Objects that rest where their goal, if they have one, wants them, and so do all that they
+        stand on."""
+        wrong, found = self.unplaced(), set()
+        for index in np.flatnonzero(self.present).tolist():
+            below = self.standing_on(index)
+            if not below & wrong and all(self.present[i] for i in below):
+                found.add(index)
+        return frozenset(found)
+
+    @cached_property
+    def next_to_settle(self) -> frozenset[int]:
+        """Objects with a goal that are not settled, though all that they are to stand on is."""
+        return frozenset(
+            index
+            for index in self.world.wanted(self)
+            if index not in self.settled
+            and (goal := self.world.goal_sites(index, self)) is not None
+            and self.settled.issuperset(goal.bearers)
+        )
 
     def waits(self, goal: GoalSites) -> bool:
         """Whether a goal is on something that is still to be moved itself, or in the hand: that
@@ -878,14 +899,13 @@ def _bar_riders(
     barred: Ints,
 ) -> None:
     """What rests on an object bars all ways to it; where it is carried along, only those that
-    it is in. What stands in a tray is barred by its walls, not by the box around it."""
+    it is in. What stands in a tray is barred by its walls, not by the box around it; what goes
+    over a peg is not barred by that."""
     hand = world.hand.sweeps[family]
     for i in world.owned:
-        stands = world.pose(placements, i)
-        if stands is not None and len(world.items[i].parts) > 1:
-            inside = world.standing_in(placements, i)
-            parts = world.item(i, face_of(placements[i])).parts
-            rows = np.array([upright_row(p.solid, compose(stands, p.pose)) for p in parts])
+        stands, inside = world.rests(placements, i), world.standing_in(placements, i)
+        if stands is not None and inside and len(world.items[i].parts) > 1:
+            rows = world.part_rows(i, stands, face_of(placements[i]))
             walls = swept.barred_matrix(
                 sites[inside], holds[inside], heights[inside], np.zeros((len(inside), 2)), rows,
                 hand, 0.0,

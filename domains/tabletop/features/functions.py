@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from domains.tabletop.faces import faces_at, turned
 from domains.tabletop.features import swept
-from domains.tabletop.features.arrangement import Arrangement
+from domains.tabletop.features.arrangement import FAR_OFF, Arrangement
 from domains.tabletop.features.goals import GoalSites
 from domains.tabletop.state import Placement, State
 
@@ -101,6 +101,16 @@ def misplaced(state: State) -> frozenset[int]:
     return known
 
 
+def settled(state: State) -> frozenset[int]:
+    """Objects that rest where the scene wants them, as do all that they stand on."""
+    return arrangement(state.world, state.placements).settled
+
+
+def next_to_settle(state: State) -> frozenset[int]:
+    """Objects that are not settled, though all that they are to stand on is."""
+    return arrangement(state.world, state.placements).next_to_settle
+
+
 def obstructions(state: State, index: int) -> int:
     """alpha of an object: what is to be taken away before it can be picked up and put at its
     goal with the same grasp (0 for an object without a goal)."""
@@ -126,9 +136,13 @@ def goal_placements(state: State, index: int) -> tuple[Placement, ...]:
     if goal is None:
         return ()
     found: list[Placement] = []
+    boxes, ground = here.boxes, state.world.grounds[goal.support]
+    if ground.peg is not None and ground.owner is not None:
+        boxes = boxes.copy()  # what stands on an object goes over the peg of it
+        boxes[ground.owner] = FAR_OFF
     for face in _faces(state, index, goal):
         own = state.world.own(index, face)
-        taken = swept.occupied_sites(goal.xyz, own, here.boxes, index)
+        taken = swept.occupied_sites(goal.xyz, own, boxes, index)
         sites = zip(goal.placements, taken, strict=True)
         found += [p._replace(face=face) if face else p for p, occupied in sites if not occupied]
     return tuple(found)

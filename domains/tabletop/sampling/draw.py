@@ -51,6 +51,15 @@ class Draw:
         return self.rng.uniform(-STEP / 2, STEP / 2) if self.doubting else 0.0
 
 
+class OpenDraw(Draw):
+    """A drawing that does not ask which ways are free now."""
+
+    @property
+    def doubting(self) -> bool:
+        """The estimate speaks of the start only."""
+        return True
+
+
 def pick_headings(bits: int, number: int, rng: np.random.Generator) -> list[int]:
     """Up to `number` of the headings whose bits are set, spread around the circle."""
     headings = [k for k in range(HEADINGS) if (bits >> k) & 1]

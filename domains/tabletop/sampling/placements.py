@@ -72,12 +72,16 @@ class PlacementSampler:
         index, _ = draw.held
         goal = self.world.goal_sites(index, arrangement(self.world, draw.state.placements))
         faces = self._on_faces(draw, goal)
-        for support in self._supports(draw):
+        for support in self._supports_of(draw, index):
             candidates: list[Placement] = []
             for on_face in faces:
                 candidates += self._free(on_face, support, CHOICE * number)
             found += self._least_in_the_way(draw.state, candidates)[:number]
         return self._least_in_the_way(draw.state, found)
+
+    def on(self, draw: Draw, support: int) -> list[Placement]:
+        """Placements of the held object on one support."""
+        return self._free(draw, support, PLACEMENTS * draw.scale)
 
     def _on_faces(self, draw: Draw, goal: GoalSites | None) -> list[Draw]:
         """The same drawing, were the held object taken on each of the faces on which it may be
@@ -108,6 +112,16 @@ class PlacementSampler:
             for i, ground in enumerate(world.grounds)
             if ground.owner is not None and here.present[ground.owner]
         ]
+
+    def _supports_of(self, draw: Draw, index: int) -> list[int]:
+        """The same for an object: all on which it may rest, where these are few."""
+        world = self.world
+        only_on = world.scene.objects[index].only_on
+        if only_on is None:
+            return self._supports(draw)
+        here = arrangement(world, draw.state.placements)
+        owners = {i: world.grounds[i].owner for i in sorted(only_on)}
+        return [i for i, owner in owners.items() if owner is None or here.present[owner]]
 
     def with_grasp(self, draw: Draw, grasp: Grasp) -> list[Placement]:
         """Goal placements for the held object, were it held with another grasp."""
@@ -191,7 +205,7 @@ class PlacementSampler:
         frame = goal.frame or 0.0
         found = []
         for (x, y), site in zip(goal.xy, goal.xyz, strict=True):
-            free = self._free_at(draw, site)
+            free = self._free_at(draw, site, goal.support)
             if goal.yaw is not None:
                 step = 2 * math.pi / goal.symmetry
                 turns = [goal.yaw + i * step for i in range(goal.symmetry)]
@@ -214,6 +228,10 @@ class PlacementSampler:
         if grasp.family == PINCH:  # a finger is below: it juts over the edge
             spans, turns = [max(half - ON_EDGE, 0.0) for half in ground.half], None
         frame = (0.0, 0.0, 0.0, 0.0)
+        if not world.may_rest(index, support, grasp.face):
+            return []
+        if ground.peg is not None and grasp.family == PINCH:
+            return []  # the finger below would be between the two
         if ground.owner is not None:
             frame = world.bearer(draw.state.placements, ground.owner) or AWAY
         height = tall(world, draw.state.placements, index, grasp.face)
@@ -226,9 +244,9 @@ class PlacementSampler:
             for lx, ly in islice(self._by_load(draw, support, spans), MOST + 4 * number):
                 x, y = ground.outside(lx, ly)
                 site = _moved(frame, x, y, ground.height)
-                if self._is_taken(draw, site, radius, ground.owner):
+                if self._is_taken(draw, site, radius, support):
                     continue
-                free = self._free_at(draw, site)
+                free = self._free_at(draw, site, support)
                 if not free:
                     continue
                 yaw = self._heading(draw, free, turns, frame[3])
@@ -260,8 +278,10 @@ class PlacementSampler:
             ly = -spans[1] + (j + rng.random()) * 2 * spans[1] / bins[1]
             yield lx, ly
 
-    def _is_taken(self, draw: Draw, site: Floats, radius: float, below: int | None) -> bool:
-        """Whether something stands at a site (3,) where the held object would, or is too near."""
+    def _is_taken(self, draw: Draw, site: Floats, radius: float, support: int) -> bool:
+        """Whether something stands at a site (3,) of a support where the held object would, or is
+        too near."""
+        below = self.world.grounds[support].owner
         world, (index, grasp) = self.world, draw.held
         here = arrangement(world, draw.state.placements)
         height = tall(world, draw.state.placements, index, grasp.face)
@@ -270,7 +290,8 @@ class PlacementSampler:
         if swept.occupied_sites(site[None], own, here.boxes, skip)[0]:
             return True
         low, high = site[2], site[2] + height
-        return bool(swept.nearest_static(site[0], site[1], world.statics, low, high) < radius)
+        statics = world.statics_at(site[0], site[1])
+        return bool(swept.nearest_static(site[0], site[1], statics, low, high) < radius)
 
     def _heading(
         self, draw: Draw, free: int, turns: list[float] | None, frame: float
@@ -294,17 +315,21 @@ class PlacementSampler:
         here = arrangement(world, state.placements)
         owner = world.grounds[support].owner
         others = [b for i, b in enumerate(here.boxes) if here.present[i] and i != owner]
-        return not any(_overlap(box, other) for other in [*others, *world.statics])
+        return not any(
+            _overlap(box, other) for other in [*others, *world.statics_at(box[0], box[1])]
+        )
 
-    def _free_at(self, draw: Draw, site: Floats) -> int:
-        """Headings along which nothing bars the way to a site that is not occupied."""
+    def _free_at(self, draw: Draw, site: Floats, support: int) -> int:
+        """Headings along which nothing bars the way to a site of a support that is not occupied."""
         if draw.doubting:
             return swept.ALL
         world, (index, grasp) = self.world, draw.held
         here = arrangement(world, draw.state.placements)
         hold = world.place_hold(index, grasp.family, None, grasp)
         own = world.own(index, grasp.face)
-        boxes = here.boxes
+        ground, boxes = world.grounds[support], here.boxes
+        if ground.peg is not None and ground.owner is not None:
+            boxes = np.delete(boxes, ground.owner, axis=0)
         barred = swept.barred_matrix(
             site[None], hold.rows[None], np.array([hold.height]), own[None], boxes,
             world.hand.sweeps[grasp.family], 0.0,

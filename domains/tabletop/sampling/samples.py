@@ -11,8 +11,10 @@ from domains.tabletop.actions.actions import Action, ActionSchema, MoveBase, Pic
 from domains.tabletop.actions.executability import Executor, Target
 from domains.tabletop.faces import turned
 from domains.tabletop.features.functions import arrangement
+from domains.tabletop.room import goes_over
 from domains.tabletop.sampling.bases import BaseSampler, Wanted
 from domains.tabletop.sampling.draw import DOUBT, Draw
+from domains.tabletop.sampling.few import kept, sample_few
 from domains.tabletop.sampling.grasps import GraspSampler
 from domains.tabletop.sampling.placements import PlacementSampler
 from domains.tabletop.sampling.shut_in import leading_on
@@ -57,6 +59,8 @@ class Samples:
                     )
         elif state.grasp is not None and self.placed in (None, state.held):
             for placement in self.places_in(state):
+                if not is_open(executor.world, state, state.held, placement):
+                    continue
                 seen = turned(executor.world, state.held, state.grasp, placement.face)
                 if seen is not None:
                     targets.append((state.held, placement, seen))
@@ -77,6 +81,20 @@ class Samples:
         return self.places
 
 
+def is_open(world: TabletopWorld, state: State, index: int, placement: Placement) -> bool:
+    """Whether an object may rest on a support at all; and where that is around a peg or a hole,
+    whether nothing else is there, and it goes over what rises there."""
+    if not world.may_rest(index, placement.support, placement.face):
+        return False
+    if world.grounds[placement.support].peg is None:
+        return True
+    at = world.rests_at(state.placements, index, placement)
+    peg = None if at is None else world.peg_over(placement.support, at)
+    if peg is not None and not goes_over(world.item(index, placement.face), peg):
+        return False
+    return all(p is None or p.support != placement.support for p in state.placements)
+
+
 class Sampler:
     """Samples the subproblems of one task; `schemas` are actions that the domain adds."""
 
@@ -91,7 +109,32 @@ class Sampler:
 
     def sample(self, state: State, attempt: int, rng: np.random.Generator) -> Samples:
         """Samples for the subproblem that starts in a state; `attempt` counts its failures."""
-        draw = Draw(state, attempt, rng)
+        draw, few = Draw(state, attempt, rng), kept(self.executor.world)
+        if not few or (state.held is not None and state.held not in few):
+            return self._sample(draw)
+        drawn = sample_few(self.executor.world, self.grasps, self.placements, self.bases, draw)
+        added = tuple(self._added(draw))
+        found = Samples(self.executor, drawn.bases, tuple(drawn.picks), drawn.places, None, added)
+        if state.held is not None or len(few) == len(state.placements):
+            return found
+        others = self._sample(draw)
+        return replace(
+            found,
+            bases=found.bases + others.bases,
+            picks=found.picks + tuple(pick for pick in others.picks if pick[0] not in few),
+            places=found.places + others.places,
+        )
+
+    def _added(self, draw: Draw) -> list[tuple[ActionSchema, Action]]:
+        return [
+            (schema, action)
+            for schema in self.schemas
+            for action in schema.sample(draw.state, draw.attempt, draw.rng)
+        ]
+
+    def _sample(self, draw: Draw) -> Samples:
+        """Samples for objects that can be put anywhere."""
+        state, attempt = draw.state, draw.attempt
         wanted: list[Wanted] = []
         if state.held is None:
             picks = self.grasps.picks(draw)
@@ -125,14 +168,8 @@ class Sampler:
                 picks += self.grasps.picks(draw)
         bases = self.bases.poses(draw, wanted)
         placed = state.held if attempt <= DOUBT else None
-        added = [
-            (schema, action)
-            for schema in self.schemas
-            for action in schema.sample(state, attempt, rng)
-        ]
-        return Samples(
-            self.executor, tuple(bases), tuple(picks), tuple(places), placed, tuple(added)
-        )
+        added = tuple(self._added(draw))
+        return Samples(self.executor, tuple(bases), tuple(picks), tuple(places), placed, added)
 
     def _elsewhere(self, draw: Draw, index: int, grasp: Grasp) -> list[Placement]:
         """Placements for an object that rests somewhere, were it in the hand."""

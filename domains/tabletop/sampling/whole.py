@@ -17,19 +17,10 @@ from domains.tabletop.faces import turned
 from domains.tabletop.features import swept
 from domains.tabletop.features.functions import arrangement
 from domains.tabletop.sampling.bases import Wanted
-from domains.tabletop.sampling.draw import DOUBT, Draw
+from domains.tabletop.sampling.draw import DOUBT, Draw, OpenDraw
 from domains.tabletop.sampling.samples import Sampler, Samples
 from domains.tabletop.state import Grasp, Placement, State
 from domains.tabletop.world import TabletopWorld
-
-
-class OpenDraw(Draw):
-    """A drawing that does not ask which ways are free now."""
-
-    @property
-    def doubting(self) -> bool:
-        """The estimate speaks of the start only."""
-        return True
 
 
 @dataclass(frozen=True, eq=False)

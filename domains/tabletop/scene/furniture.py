@@ -1,19 +1,19 @@
-"""Tables, shelves, bins, walls and the fence of a scene file: what never moves, and where
+"""Tables, shelves, bins, pegs, walls and the fence of a scene file: what never moves, and where
 things can rest on it."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 from domains.tabletop.scene.model import UprightBox, fixed_box
 from runtime.entry import Entry
 from runtime.world.body import Part
-from runtime.world.making import body_of, open_box
+from runtime.world.making import body_of, open_box, standing
 from runtime.world.poses import compose, upright
-from runtime.world.solids import Box
-from runtime.world.world import FLOOR, Fixed, Support
+from runtime.world.solids import Box, Cylinder
+from runtime.world.world import FLOOR, Fixed, Peg, Support
 
 AIR = 0.002
 """Metres between a support and what rests on it, unless the scene says otherwise."""
@@ -42,6 +42,7 @@ class Furniture:
     tables: list[Support] = field(default_factory=list)
     boards: list[Support] = field(default_factory=list)
     bins: list[Support] = field(default_factory=list)
+    pegs: list[Support] = field(default_factory=list)
     floor: Support = field(
         default_factory=lambda: Support(
             FLOOR, FLOOR, upright(0.0, 0.0, AIR, 0.0), (FARTHEST, FARTHEST)
@@ -51,8 +52,8 @@ class Furniture:
 
     @property
     def supports(self) -> list[Support]:
-        """All of them: tables, boards, bins, the floor."""
-        return [*self.tables, *self.boards, *self.bins, self.floor]
+        """All of them: tables, boards, bins, pegs, the floor."""
+        return [*self.tables, *self.boards, *self.bins, *self.pegs, self.floor]
 
     def claim(self, entry: Entry, what: str) -> str:
         """The name of an entry, which nothing else may have."""
@@ -80,6 +81,8 @@ def read_furniture(scene: Entry) -> Furniture:
         _wall(entry, found)
     for entry in scene.tables("bin"):
         _bin(entry, found)
+    for entry in scene.tables("peg"):
+        _peg(entry, found)
     return found
 
 
@@ -190,18 +193,9 @@ def _bin(entry: Entry, found: Furniture) -> None:
     yaw = math.radians(entry.number("yaw", 0.0))
     if entry.sound and (min(size) <= 2 * wall or height <= wall):
         entry.problem("wall", f"nothing is left inside of walls of {wall:g} m")
-    under = [s for s in [*found.tables, *found.boards] if contains(s, x, y)]
-    if entry.has("on"):
-        wanted = entry.text("on")
-        under = [s for s in [*found.tables, *found.boards, found.floor] if s.name == wanted]
-        if not under and wanted:
-            entry.problem("on", f"there is no table, board or floor named {wanted!r}")
-        elif under and not contains(under[0], x, y):
-            entry.problem("at", f"({x:g}, {y:g}) is not on {wanted!r}")
+    stand = _stand(entry, found, x, y, lambda support: contains(support, x, y))
     if not entry.sound:
         return
-    # Without `on` a bin stands on the highest thing there, else on the floor.
-    stand = max(under, key=lambda s: float(s.pose[2, 3]), default=found.floor)
     # It does not move: it stands on the very top, and what rests in it keeps the air.
     bottom = float(stand.pose[2, 3]) if stand.name != FLOOR else 0.0
     pose = upright(x, y, bottom, yaw)
@@ -209,6 +203,50 @@ def _bin(entry: Entry, found: Furniture) -> None:
     inside = compose(pose, upright(0.0, 0.0, wall + AIR, 0.0))
     half = (size[0] / 2 - wall, size[1] / 2 - wall)
     found.bins.append(Support(name, name, inside, half))
+
+
+def _stand(
+    entry: Entry, found: Furniture, x: float, y: float, on: Callable[[Support], bool]
+) -> Support:
+    """What something that does not move stands on: without `on` the highest thing there, else the
+    floor. `on` tells whether it is on a support."""
+    under = [s for s in [*found.tables, *found.boards] if on(s)]
+    if entry.has("on"):
+        wanted = entry.text("on")
+        under = [s for s in [*found.tables, *found.boards, found.floor] if s.name == wanted]
+        if not under and wanted:
+            entry.problem("on", f"there is no table, board or floor named {wanted!r}")
+        elif under and not on(under[0]):
+            entry.problem("at", f"({x:g}, {y:g}) is not on {wanted!r}")
+    return max(under, key=lambda s: float(s.pose[2, 3]), default=found.floor)
+
+
+def _is_on_top(found: Furniture, support: Support, x: float, y: float) -> bool:
+    """Whether a point is on the thing that a support belongs to, if beside its region."""
+    owner = next((thing for thing in found.fixed if thing.name == support.owner), None)
+    if owner is None:
+        return contains(support, x, y)
+    (low, high), pose = owner.body.bounds, owner.pose
+    dx, dy = x - pose[0, 3], y - pose[1, 3]
+    lx, ly = pose[0, 0] * dx + pose[1, 0] * dy, pose[0, 0] * dy - pose[1, 0] * dx
+    return bool(low[0] <= lx <= high[0] and low[1] <= ly <= high[1])
+
+
+def _peg(entry: Entry, found: Furniture) -> None:
+    """A rod that stands upright. What goes over it rests on what the peg stands on."""
+    name, (x, y) = found.claim(entry, "peg"), place_of(entry)
+    radius, height = entry.positive("radius"), entry.positive("height")
+    refuse_far(entry, "height", (radius, height))
+    stand = _stand(entry, found, x, y, lambda support: _is_on_top(found, support, x, y))
+    if not entry.sound:
+        return
+    rest = float(stand.pose[2, 3])
+    bottom = 0.0 if stand.name == FLOOR else rest - AIR
+    top = bottom + height
+    body = standing(Cylinder(radius, height))
+    found.fixed.append(Fixed(name, body, upright(x, y, bottom, 0.0)))
+    pose, peg = upright(x, y, rest, 0.0), Peg(radius, max(0.0, top - rest))
+    found.pegs.append(Support(name, name, pose, (radius, radius), stand.clearance, peg))
 
 
 def _fence(arena: Entry, found: Furniture) -> None:

@@ -151,8 +151,12 @@ class GoalReader:
                 entry.problem("on", f"{name!r} cannot rest on itself")
                 continue
             support = support_named(entry, "on", name, self.placed, self.by_name)
-            if support is not None:
-                found.append(support)
+            thing = self.placed.objects[index]
+            if support is None:
+                continue
+            if thing is not None and thing.only_on is not None and support not in thing.only_on:
+                entry.problem("on", f"{thing.name!r} may not rest on {name!r}: see its `only_on`")
+            found.append(support)
         return found
 
     def _pose(self, entry: Entry, index: int) -> PoseGoal | None:

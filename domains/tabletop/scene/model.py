@@ -97,6 +97,8 @@ class SceneObject:
     rests: Start
     colour: str | None = None
     letter: str | None = None
+    only_on: frozenset[int] | None = None
+    """The supports that it may rest on; None: any."""
 
     @cached_property
     def size(self) -> tuple[float, float, float]:
@@ -163,7 +165,7 @@ class Scene:
     """A scene; `goals` maps the index of an object to what is wanted of it, `families` are the
     approaches that may be used (`domains.tabletop.state`).
 
-    Supports are in this order: tables, boards of shelves, bins, the floor, tops of objects.
+    Supports are in this order: tables, boards of shelves, bins, pegs, the floor, tops of objects.
     """
 
     world: World

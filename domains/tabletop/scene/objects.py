@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from domains.tabletop.scene.bodies import orientation, read_body
 from domains.tabletop.scene.furniture import AIR, Furniture, contains, local, refuse_far
 from domains.tabletop.scene.model import SceneObject, Start, movable
 from runtime.entry import Entry, known
 from runtime.world.body import Body
+from runtime.world.pegs import ABOVE, PLAY, hollow_of_body, name_of_ring, owner_of_ring, ring_of
 from runtime.world.poses import Pose, compose, rotation_from_rpy
 from runtime.world.snap import nearest_stable, resting_pose
 from runtime.world.stable import StablePose, stable_poses
@@ -40,6 +41,7 @@ class Drawn:
     on: list[str]
     colour: str | None
     letter: str | None
+    only_on: list[str] | None = None
     stable: tuple[StablePose, ...] = ()
     placed: SceneObject | None = None
 
@@ -70,7 +72,7 @@ class Placed:
         """Things can rest on an object that is at a pose."""
         self.supports.append(top)
         there = compose(pose, top.pose)
-        self.world.append(Support(top.name, top.owner, there, top.half, top.clearance))
+        self.world.append(replace(top, pose=there))
 
     def height(self, index: int) -> float:
         """The height at which the bottom of what rests on a support is."""
@@ -83,10 +85,12 @@ class Placed:
         solid = [
             i
             for i, s in enumerate(self.supports)
-            if (s in furniture.tables or s in furniture.bins) and contains(self.world[i], x, y)
+            if (s in furniture.tables or s in furniture.bins or s in furniture.pegs)
+            and contains(self.world[i], x, y)
         ]
         if solid:
-            return max(solid, key=lambda i: (self.height(i), -i))
+            over = [i for i in solid if self.supports[i].peg is not None]
+            return max(over or solid, key=lambda i: (self.height(i), -i))
         boards = [s.name for s in furniture.boards if contains(s, x, y)]
         if len(boards) == 1:
             return self.index(boards[0]) or 0
@@ -117,6 +121,8 @@ def read_objects(scene: Entry, furniture: Furniture) -> tuple[list[Drawn], Place
     # Tops of objects in the order of the objects, whatever was placed first.
     fixed = len(furniture.supports)
     _sort_tops(placed, fixed, by_name)
+    for thing in drawn:
+        _keep_to(thing, by_name, placed)
     return drawn, placed
 
 
@@ -135,7 +141,8 @@ def _draw(entry: Entry, furniture: Furniture) -> Drawn:
     stable = stable_poses(body) if body is not None else ()
     if body is not None and not stable:
         entry.problem(None, "does not rest on any of its sides")
-    return Drawn(entry, name, body, rpy, at, on, colour, letter, stable)
+    only_on = entry.names("only_on") if entry.has("only_on") else None
+    return Drawn(entry, name, body, rpy, at, on, colour, letter, only_on, stable)
 
 
 def _place(
@@ -155,7 +162,7 @@ def _place(
         thing.entry.problem("on", f"objects rest on each other in a circle: {circle}")
         done.add(i)
         return
-    for name in thing.on:
+    for name in map(owner_of_ring, thing.on):
         if name in by_name:
             _place(by_name[name], drawn, by_name, placed, done, [*above, thing.name])
     if i in done:
@@ -177,11 +184,30 @@ def _place(
     placed.objects[i] = found
     height = placed.height(start.support)
     placed.movables[i] = movable(found, height)
-    top = top_of(thing.name, thing.body, thing.stable[number], AIR)
-    if top is not None:
-        pose = placed.movables[i]
-        assert pose is not None
-        placed.add_top(top, pose.pose)
+    pose = placed.movables[i]
+    assert pose is not None
+    for support in (top_of, ring_of):
+        top = support(thing.name, thing.body, thing.stable[number], AIR)
+        if top is not None:
+            placed.add_top(top, pose.pose)
+
+
+def _keep_to(thing: Drawn, by_name: dict[str, int], placed: Placed) -> None:
+    """Note on which supports alone an object may rest."""
+    i = by_name[thing.name]
+    told, there = placed.objects[i], placed.movables[i]
+    if thing.only_on is None or told is None or there is None:
+        return
+    found = [support_named(thing.entry, "only_on", name, placed, by_name) for name in thing.only_on]
+    only_on = frozenset(index for index in found if index is not None)
+    if not thing.entry.sound:
+        return
+    if told.rests.support not in only_on:
+        where = placed.supports[told.rests.support].name
+        thing.entry.problem("only_on", f"does not name {where!r}, on which it starts")
+    names = frozenset(placed.supports[index].name for index in only_on)
+    placed.objects[i] = replace(told, only_on=only_on)
+    placed.movables[i] = replace(there, only_on=names)
 
 
 def _bearers(thing: Drawn, by_name: dict[str, int], placed: Placed) -> list[int] | None:
@@ -202,14 +228,18 @@ def support_named(
 ) -> int | None:
     """The number of a support; None, with a problem, where nothing can rest on what is named."""
     index = placed.index(name)
+    if index is None:  # what has no other place has that around its knob
+        index = placed.index(name_of_ring(name))
     if index is not None:
         return index
-    if name in by_name:
-        if placed.objects[by_name[name]] is not None:
+    if owner_of_ring(name) in by_name:
+        if placed.objects[by_name[owner_of_ring(name)]] is not None:
             entry.problem(
                 key,
                 f"nothing can rest on {name!r}",
-                "its top is not level, or too narrow for its height",
+                "its top is not level, or too narrow for its height"
+                if name in by_name
+                else "it is not level all around a knob or a hole",
             )
         else:
             entry.sound = False  # what is wrong with the one below is told there
@@ -288,6 +318,8 @@ def _start(thing: Drawn, borne: list[int], number: int, yaw: float, placed: Plac
     if len(supports) > 1 and not _between(supports, float(weight[0]), float(weight[1])):
         entry.problem("at", f"({x:g}, {y:g}) is not between {' and '.join(thing.on)}")
         return None
+    if not _goes_over(thing, stable, supports):
+        return None
     lowest = min(s.clearance for s in supports)
     if stable.height > lowest:
         entry.problem(
@@ -295,6 +327,29 @@ def _start(thing: Drawn, borne: list[int], number: int, yaw: float, placed: Plac
         )
         return None
     return Start(borne[0], number, x, y, yaw, tuple(borne[1:]))
+
+
+def _goes_over(thing: Drawn, stable: StablePose, supports: Sequence[Support]) -> bool:
+    """Whether an object can be put over the pegs of what it rests on; a problem where not."""
+    assert thing.body is not None
+    for support in supports:
+        if support.peg is None or not support.peg.height:
+            continue
+        hollow = hollow_of_body(thing.body, stable.pose)
+        if hollow is None or not hollow.goes_over(support.peg):
+            has = (
+                "it has no hollow around its middle there"
+                if hollow is None
+                else f"its hollow is {2 * hollow.radius:.3g} m wide and {hollow.depth:.3g} m deep"
+            )
+            thing.entry.problem(
+                "on",
+                f"does not go over {support.name!r}: {has}",
+                f"{2 * (support.peg.radius + PLAY):.3g} m and "
+                f"{support.peg.height + ABOVE:.3g} m are needed",
+            )
+            return False
+    return True
 
 
 def _middle_of(supports: Sequence[Support]) -> tuple[float, float]:
@@ -342,7 +397,7 @@ def _right_bottom(entry: Entry, support: Support, rest: float) -> bool:
 
 def _sort_tops(placed: Placed, fixed: int, by_name: dict[str, int]) -> None:
     order = sorted(
-        range(fixed, len(placed.supports)), key=lambda i: by_name[placed.supports[i].name]
+        range(fixed, len(placed.supports)), key=lambda i: by_name[placed.supports[i].owner]
     )
     moved = {old: fixed + new for new, old in enumerate(order)}
     chosen = [*range(fixed), *order]
@@ -355,9 +410,7 @@ def _sort_tops(placed: Placed, fixed: int, by_name: dict[str, int]) -> None:
                 moved.get(rests.support, rests.support), rests.stable, rests.x, rests.y, rests.yaw,
                 tuple(moved.get(i, i) for i in rests.others),
             )  # fmt: skip
-            placed.objects[k] = SceneObject(
-                thing.name, thing.body, thing.stable, start, thing.colour, thing.letter
-            )
+            placed.objects[k] = replace(thing, rests=start)
 
 
 def point_in(support: Support, x: float, y: float) -> tuple[float, float]:

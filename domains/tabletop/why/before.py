@@ -11,7 +11,7 @@ from domains.tabletop.features import swept
 from domains.tabletop.features.functions import arrangement, misplaced
 from domains.tabletop.features.goals import GoalSites
 from domains.tabletop.items import why_not
-from domains.tabletop.room import has_room
+from domains.tabletop.room import goes_over, has_room
 from domains.tabletop.state import State
 from domains.tabletop.why import barriers, depth
 from domains.tabletop.why.blocking import Blame, as_data, in_words
@@ -82,6 +82,8 @@ class _Hopeless:
         ground = world.grounds[self.goal.support]
         if self.goal.region is not None and not has_room(ground, self.item):
             text = f"{name} does not fit on {ground.name}: it is larger than the room there"
+            if ground.peg is not None and not goes_over(self.item, ground.peg):
+                text = f"{name} does not go over {ground.name}: it is not hollow enough below"
             return finding(name, "does not fit", text)
         resting = self.state.placements[self.index]
         assert resting is not None

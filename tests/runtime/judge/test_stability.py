@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -51,6 +52,22 @@ def cubes(count: int, mass: float = 1.0) -> World:
 def at(x: float, y: float, level: int, yaw: float = 0.0) -> Floats:
     """A cube on the table, or on others on it."""
     return homogeneous(upright(x, y, 0.7 + AIR + level * (SIDE + AIR), yaw))
+
+
+def test_a_cube_is_kept_to_what_it_may_rest_on() -> None:
+    world = cubes(2)
+    kept = replace(world.movables[1], only_on=frozenset({"top0", FLOOR}))
+    world = replace(world, movables=(world.movables[0], kept))
+    below = at(0.1, 0, 0)
+    assert fault_of_rest(world, {0: below, 1: at(0.1, 0, 1)}, 1, "top0") is None
+    assert fault_of_rest(world, {0: below, 1: homogeneous(upright(2, 2, AIR, 0))}, 1, FLOOR) is None
+    told = str(fault_of_rest(world, {0: below, 1: at(-0.1, 0, 0)}, 1, "table"))
+    assert "cube1 rests on table, where it may not be put" in told
+    # It is borne by the other one as well, but its middle is beside that.
+    table = replace(world.supports[0], pose=upright(0, 0, 0.7 + AIR + SIDE + AIR, 0))
+    high = replace(world, supports=(table, *world.supports[1:]))
+    beside = at(0.1 + 0.6 * SIDE, 0, 1)
+    assert "may not be put" in str(fault_of_rest(high, {0: below, 1: beside}, 1, None))
 
 
 def test_a_cube_rests_on_the_table_and_on_the_floor() -> None:

@@ -160,7 +160,7 @@ def test_the_example_of_the_documentation_loads(tmp_path) -> None:
     scene = read(tmp_path, example_of_the_documentation())
     assert [thing.name for thing in scene.objects] == ["blue_stick", "can", "cup", "lid"]
     names = [support.name for support in scene.supports]
-    assert names[:6] == ["left", "right", "shelf/1", "shelf/2", "bin", "floor"]
+    assert names[:7] == ["left", "right", "shelf/1", "shelf/2", "bin", "peg", "floor"]
     assert scene.goals[0] == RegionGoal(1)
     assert scene.goals[2] == PoseGoal(1, 0.9, -1.1, pytest.approx(math.pi / 2), 0.005)
     assert scene.goals[1] == AnyGoal((RegionGoal(4), RegionGoal(2), HeldGoal()))
