@@ -133,7 +133,8 @@ def tmp(
     say(f"{out}: {counted(objects, 'object')}, {counted(len(wanted.goals), 'goal')}")
     say(*(f"note: {note}" for note in (*notes, *more)))
     with_robot = "" if robot is None else f" --robot {robot}"
-    say(f"plan it: sketchlang run pick_and_place {out}{with_robot}")
+    sketch = "towers" if wanted.only_on else "pick_and_place"
+    say(f"plan it: sketchlang run {sketch} {out}{with_robot}")
 
 
 def _translate(reader: ModuleType, file: Path, domain_pddl: str, out: Path | None) -> None:

@@ -92,6 +92,24 @@ class Thing:
         return np.array([self.at[0] + c * xy[0] - s * xy[1], self.at[1] + s * xy[0] + c * xy[1]])
 
     @property
+    def is_peg(self) -> bool:
+        """Whether it does not move, and things are put over it: their place is at its bottom."""
+        region = self.region
+        if self.movable or region is None or not region.is_point:
+            return False
+        return self.top - self.bottom > FLAT and self.shoulder < (self.bottom + self.top) / 2
+
+    @property
+    def has_knob(self) -> bool:
+        """Whether what is put on it goes over something: its place is below its top."""
+        return self.region is not None and self.region.is_point and self.shoulder < self.top - FLAT
+
+    @property
+    def shoulder(self) -> float:
+        """The height at which the bottom of what is put on it is."""
+        return self.top if self.region is None else self.at[2] + self.region.z
+
+    @property
     def middle(self) -> Floats:
         """Where the middle of the box around it is (2,), in the world."""
         return self.world(self.box.mean(axis=0)[:2])

@@ -15,6 +15,7 @@ import numpy as np
 from domains.tabletop.state import FAMILIES
 from domains.tabletop.tmp_benchmark.problem import FLAT, Problem, Thing
 from domains.tabletop.tmp_benchmark.wanted import Wanted
+from runtime.world.pegs import name_of_ring
 from runtime.world.solids import Floats
 from sketchlang.errors import InputError
 
@@ -48,17 +49,26 @@ class _Scene:
         return [t for t in self.problem.fixed() if t.region is not None and not t.region.is_point]
 
     def under(self, thing: Thing) -> Thing | None:
-        """What a thing rests on: of the things under its middle, the highest one that is not
-        above its bottom; None: the floor."""
+        """What a thing rests on: a peg that it is over, else of the things under its middle the
+        highest one that is not above its bottom; None: the floor."""
+        over = [peg for peg in self.problem.fixed() if peg.is_peg and self._is_over(thing, peg)]
+        if over:
+            return over[0]
         found = [
             other
             for other in (*self.boards(), *self.problem.movable())
             if other is not thing
             and other.is_under(thing.middle)
-            and abs(other.top - thing.bottom) < RESTS
+            and min(abs(z - thing.bottom) for z in (other.top, other.shoulder)) < RESTS
             and other.bottom < thing.bottom
         ]
         return max(found, key=lambda other: other.top, default=None)
+
+    @staticmethod
+    def _is_over(thing: Thing, peg: Thing) -> bool:
+        """Whether a thing is over a peg, on what that stands on."""
+        at_bottom = abs(peg.bottom - thing.bottom) < RESTS
+        return thing.movable and at_bottom and peg.is_under(thing.middle)
 
 
 def scene_of(
@@ -120,6 +130,8 @@ def _furniture(scene: _Scene, thing: Thing) -> list[str]:
             f"outer = {_number(outer)}",
             f"height = {_number(thing.top - scene.floor)}",
         ]
+    if thing.is_peg and len(thing.pieces) == 1:
+        return _peg(scene, thing)
     if thing.region is not None:
         scene.notes.append(f"{thing.name}: nothing can be put over it here; it is in the way")
     return _walls(scene, thing, thing.pieces, thing.name)
@@ -160,6 +172,26 @@ def _table(scene: _Scene, thing: Thing) -> list[str]:
     return lines
 
 
+def _peg(scene: _Scene, thing: Thing) -> list[str]:
+    """An upright rod as large as the thing, on what the thing stands on."""
+    corners, middle = np.vstack(thing.pieces), thing.box.mean(axis=0)
+    radius = float(np.hypot(*(corners[:, :2] - middle[:2]).T).max())
+    board = scene.under(thing)
+    return [
+        "[[peg]]",
+        f"name = {_text(thing.name)}",
+        f"at = {_list(thing.middle)}",
+        f"radius = {_number(radius)}",
+        f"height = {_number(thing.top - thing.bottom)}",
+        f"on = {_text('floor' if board is None else board.name)}",
+    ]
+
+
+def _support(thing: Thing) -> str:
+    """What the place for things on a thing is called."""
+    return name_of_ring(thing.name) if thing.movable and thing.has_knob else thing.name
+
+
 def _walls(scene: _Scene, thing: Thing, pieces: list[Floats], name: str) -> list[str]:
     """The boxes around some pieces, as walls."""
     lines = []
@@ -195,11 +227,16 @@ def _object(scene: _Scene, thing: Thing) -> list[str]:
     colours = [colour for colour in COLOURS if colour in thing.name.lower()]
     if len(colours) == 1:
         lines.append(f"colour = {_text(colours[0])}")
-    lines.append(f"on = {_text('floor' if rests is None else rests.name)}")
-    if rests is None or not rests.movable:
+    lines.append(f"on = {_text('floor' if rests is None else _support(rests))}")
+    if rests is None or not (rests.movable or rests.is_peg):
         lines.append(f"at = {_list(scene.places.get(thing.name, thing.middle))}")
     elif np.linalg.norm(rests.middle - thing.middle) > APART:
         lines.append(f"at = {_list(thing.middle)}")
+    kept = scene.wanted.only_on.get(thing.name)
+    if kept is not None:
+        names = {_support(scene.problem.things[name]) for name in kept}
+        names |= {"floor" if rests is None else _support(rests)}
+        lines.append(f"only_on = [{', '.join(_text(name) for name in sorted(names))}]")
     return [*lines, *_yaw(thing)]
 
 
@@ -232,12 +269,11 @@ def _goal(scene: _Scene, thing: Thing, choices: list[str]) -> list[str]:
 
 def _place(scene: _Scene, thing: Thing, place: Thing) -> dict[str, str]:
     """Keys of a goal: on a board or an object, or at a mark on a board."""
-    if place.movable or (place.region is not None and not place.region.is_point):
-        return {"on": _text(place.name)}
+    if place.movable or (place.region is not None and not place.region.is_point) or place.is_peg:
+        return {"on": _text(_support(place))}
     if np.ptp(place.box[:, 2]) > FLAT:
         raise InputError(
-            f"{thing.name} is to be put over {place.name}: what has a hole and goes over "
-            "something is not supported"
+            f"{thing.name} is to be put on {place.name}: it is no peg, and has no place for things"
         )
     board = scene.under(place)
     if board is None:
@@ -304,6 +340,9 @@ def _gap(
     other."""
     if thing.bottom > other.top - RESTS or other.bottom > thing.top - RESTS:
         return math.inf
+    pairs = ((thing, other), (other, thing))
+    if any(low.has_knob and scene.under(high) is low for low, high in pairs):
+        return math.inf  # one goes over the knob of the other
     there = scene.places.get(other.name, other.middle)
     return float(np.linalg.norm(xy - there)) - radius(thing) - radius(other)
 

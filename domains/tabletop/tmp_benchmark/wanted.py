@@ -11,10 +11,11 @@ import math
 import re
 from collections.abc import Collection
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from domains.pddl.syntax.lists import Item, List, PddlError, Reader, Word
+from domains.tabletop.tmp_benchmark.allowed import allowed, domain_beside, facts_of
 from domains.tabletop.tmp_benchmark.names import candidates
 from sketchlang.source import Source, Span
 
@@ -31,14 +32,16 @@ Conjunction = frozenset[tuple[str, str]]
 
 @dataclass(frozen=True)
 class Wanted:
-    """Names of things: for each object what it may end on, and what it starts on by the PDDL."""
+    """Names of things: for each object what it may end on, what it starts on by the PDDL, and what
+    alone it may ever be put on, where the actions of that say so."""
 
     goals: dict[str, list[str]]
     start: dict[str, str]
+    only_on: dict[str, list[str]] = field(default_factory=dict)
 
 
-def read_wanted(source: Source, things: Collection[str]) -> Wanted:
-    """The goal and the start of a PDDL problem.
+def read_wanted(source: Source, things: Collection[str], domain: Source | None = None) -> Wanted:
+    """The goal and the start of a PDDL problem, and what its domain keeps objects to.
 
     Raises:
         PddlError: there is no goal, a name stands for no thing or for several, or the goal says
@@ -57,7 +60,8 @@ def read_wanted(source: Source, things: Collection[str]) -> Wanted:
             with suppress(PddlError):
                 name, place = reader.fact(fact)
                 begins[name] = place
-    return Wanted(reader.alternatives(goal), begins)
+    only_on = {} if domain is None else reader.kept_to(domain, start)
+    return Wanted(reader.alternatives(goal), begins, only_on)
 
 
 class _Wanted(Reader):
@@ -86,6 +90,18 @@ class _Wanted(Reader):
         if len(item.items) != 3:
             raise self.error(f"`{item.head()}` takes an object and what it is on", item)
         return self.thing(item.items[1]), self.thing(item.items[2])
+
+    def kept_to(self, domain: Source, start: List | None) -> dict[str, list[str]]:
+        """What alone each object may be put on, where the actions of a domain say so."""
+        found: dict[str, list[str]] = {}
+        facts = facts_of(start)
+        for predicate in PREDICATES:
+            for names in sorted(allowed(domain, facts, predicate) or ()):
+                things = [candidates(name, self.things) for name in names]
+                if all(len(each) == 1 for each in things):
+                    (one,), (other,) = things
+                    found.setdefault(one, []).append(other)
+        return found
 
     def alternatives(self, goal: List) -> dict[str, list[str]]:
         """What each object may end on, if the objects can be told apart."""
@@ -134,10 +150,18 @@ def read_wanted_file(path: Path, things: Collection[str]) -> tuple[Wanted, list[
     from domains.pddl.syntax.read import load
 
     source = load(path)
+    whole, missing = _closed(source)
+    wanted = read_wanted(whole, things, domain_beside(whole, lambda found: _closed(found)[0]))
+    if not missing:
+        return wanted, []
+    lacks = "1 parenthesis is" if missing == 1 else f"{missing} parentheses are"
+    return wanted, [f"{path.name}: {lacks} never closed: closed at its end"]
+
+
+def _closed(source: Source) -> tuple[Source, int]:
+    """A text with the few parentheses that it lacks at its end, and how many these are."""
     code = re.sub(r";[^\n]*", "", source.text)
     missing = code.count("(") - code.count(")")
     if not 0 < missing <= MOST_MISSING:
-        return read_wanted(source, things), []
-    whole = Source(source.name, source.text + "\n" + ")" * missing)
-    lacks = "1 parenthesis is" if missing == 1 else f"{missing} parentheses are"
-    return read_wanted(whole, things), [f"{path.name}: {lacks} never closed: closed at its end"]
+        return source, 0
+    return Source(source.name, source.text + "\n" + ")" * missing), missing
