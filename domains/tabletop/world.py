@@ -7,7 +7,7 @@ which holds nothing that could not be computed anew.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Hashable, Iterable, Sequence
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -15,16 +15,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from domains.tabletop import aslant
+from domains.tabletop import aslant, holds, solids
 from domains.tabletop.faces import faces_of
 from domains.tabletop.features import swept
 from domains.tabletop.features.goals import LATTICE, GoalSites
-from domains.tabletop.features.swept import HEADINGS, STEP
+from domains.tabletop.features.swept import HEADINGS
 from domains.tabletop.features.towers import storeys, with_room
 from domains.tabletop.features.words import WordGoals
 from domains.tabletop.foot import sunk_into
 from domains.tabletop.ground import Ground
 from domains.tabletop.hand import Hand, hand_of
+from domains.tabletop.holds import SiteHold
 from domains.tabletop.items import Item
 from domains.tabletop.memory import Memory
 from domains.tabletop.room import INSET, goes_over
@@ -36,16 +37,15 @@ from domains.tabletop.scene.model import (
     Scene,
     SceneObject,
 )
-from domains.tabletop.state import SLANT, UNIT, BasePose, Grasp, Placement, State, quantise_angle
+from domains.tabletop.state import SLANT, BasePose, Grasp, Placement, State
 from runtime.kernels import plane
 from runtime.kernels.convex import Obstacles, boxes_only, join
 from runtime.motion.roads import Roads
 from runtime.motion.room import Room, room_around
 from runtime.robot.model import RobotModel
 from runtime.world.body import Part
-from runtime.world.packed import UPRIGHT, PackedBodies, pack_bodies, upright_row
+from runtime.world.packed import PackedBodies, upright_row
 from runtime.world.poses import Floats, Pose, compose, upright
-from runtime.world.solids import Box
 from runtime.world.stable import ANY_TURN
 from runtime.world.world import Peg, World
 from sketchlang.analysis.words import listed
@@ -58,14 +58,8 @@ Ints = NDArray[np.int64]
 
 Placements = tuple[Placement | None, ...]
 
-MIDDLES: Floats = np.arange(HEADINGS, dtype=np.float64) * STEP
-"""The K headings, radians."""
-
 OVER = 1e-4
 """Metres by which what stands over a peg may be off the peg's middle."""
-
-SAME_HEADING = 4
-"""Decimals, in radians, to which headings are told apart when it comes to how a thing is held."""
 
 OF_THE_HAND = (
     "holds", "holds within a step", "place holds", "grasps", "grips", "turned", "turns",
@@ -75,28 +69,6 @@ OF_THE_HAND = (
 
 AWAY = (1e3, 1e3, 0.0, 0.0)
 """Where the sites on an object are that is in the hand: nobody reaches them."""
-
-
-@dataclass(frozen=True, eq=False)
-class SiteHold:
-    """How objects of one kind are taken at a site, for the K headings: rows (K, 3) of half the
-    width and the centre of the grasp, its height, and bits of the headings that fit. `angles`
-    (K,) are the exact headings, within half a step of the K."""
-
-    rows: Floats
-    height: float
-    fits: int
-    angles: Floats = field(default_factory=lambda: MIDDLES)
-
-    @cached_property
-    def reach(self) -> float:
-        """Metres in the plane that the grip and its centre are from the site, at most."""
-        return float(np.abs(self.rows).sum(axis=1).max())
-
-    @cached_property
-    def key(self) -> Hashable:
-        """Equal for holds that come to the same."""
-        return self.rows.tobytes(), self.height, self.fits
 
 
 @dataclass(frozen=True, eq=False)
@@ -316,25 +288,15 @@ class TabletopWorld:
     def packed(self) -> PackedBodies | None:
         """The solids of all objects, as they stand, and of what is fixed, in one table; None
         where all of them are upright boxes."""
-        fixed = [thing.body for thing in self.scene.world.fixed]
-        parts = [part for item in self._forms for part in item.parts]
-        parts += [
-            Part(p.solid, compose(f.pose, p.pose))
-            for f in self.scene.world.fixed
-            for p in f.body.parts
-        ]
-        if all(_is_upright_box(part) for part in parts):
-            return None
-        standing = [replace(item.body, parts=item.parts, mesh=None) for item in self._forms]
-        return pack_bodies([*standing, *fixed])
+        return solids.packed(self)
 
     @cached_property
-    def _forms(self) -> list[Item]:
+    def forms(self) -> list[Item]:
         """All objects on all of their faces, in the order of `packed`."""
         return [item for faces in self.faces for item in faces]
 
     @cached_property
-    def _first_form(self) -> list[int]:
+    def first_form(self) -> list[int]:
         """Where in that order the faces of each object begin."""
         counts = [len(faces) for faces in self.faces]
         return [sum(counts[:i]) for i in range(len(counts))]
@@ -345,78 +307,26 @@ class TabletopWorld:
         things = self.scene.world.fixed
         if self.packed is None:
             return boxes_only(self.statics)
-        n = len(self._forms)
+        n = len(self.forms)
         return join(*(self.packed.at(n + i, thing.pose) for i, thing in enumerate(things)))
 
     def object_at(
         self, index: int, at: tuple[float, float, float, float], face: int = 0
     ) -> Obstacles:
         """The solids of an object that rests at x, y, height and heading on a face."""
-        kind = self.kinds[index]
-        return self.memory.answer(
-            "solids", (kind, at, face), lambda: self._object_at(kind, at, face)
-        )
-
-    def _object_at(self, index: int, at: tuple[float, float, float, float], face: int) -> Obstacles:
-        parts = self.faces[index][face].parts
-        if self.packed is None and len(parts) == 1:
-            return boxes_only(self.box_row(index, at, face)[None])
-        if self.packed is None:
-            stands = upright(*at)
-            rows = [upright_row(part.solid, compose(stands, part.pose)) for part in parts]
-            return boxes_only(np.array(rows))
-        return self.packed.at(self._first_form[index] + face, upright(*at))
+        return solids.object_at(self, index, at, face)
 
     def obstacles(self, placements: Placements, without: Collection[int]) -> Obstacles:
         """What is fixed and all objects that rest, but for some."""
-        standing = self._standing(placements)
-        return join(
-            self.fixed,
-            *(g for i, g in enumerate(standing) if g is not None and i not in without),
-        )
-
-    def _standing(self, placements: Placements) -> list[Obstacles | None]:
-        """The solids of each object, None where it does not rest anywhere. From one question to
-        the next most things stay where they are: only the others are looked up."""
-        last = self.memory.table("standing")
-        before, known = last.get("latest", ((None,) * len(placements), [None] * len(placements)))
-        if before is placements:
-            return known  # type: ignore[no-any-return]
-        found: list[Obstacles | None] = []
-        for i, placement in enumerate(placements):
-            if placement is None:
-                found.append(None)
-            elif placement is before[i] and self.grounds[placement.support].owner is None:
-                found.append(known[i])
-            else:
-                at = self.rests_at(placements, i, placement)
-                found.append(None if at is None else self.object_at(i, at, placement.face))
-        last["latest"] = placements, found
-        return found
+        return solids.obstacles(self, placements, without)
 
     def rider_parts(self, placements: Placements, index: int) -> tuple[Part, ...]:
         """The solids of what rests on an object, in the object's standing frame."""
-        found: list[Part] = []
-        for rider in self.riders(placements, index):
-            at, placement = self.rests_on(placements, rider, index), placements[rider]
-            assert placement is not None
-            parts = self.item(rider, placement.face).parts
-            found += [Part(p.solid, compose(at, p.pose)) for p in parts]
-        return tuple(found)
+        return solids.rider_parts(self, placements, index)
 
     def rests_on(self, placements: Placements, rider: int, below: int) -> Pose:
         """The standing frame of a rider (3, 4) in that of the object it is carried by."""
-        pose = upright(0.0, 0.0, 0.0, 0.0)
-        index = rider
-        while index != below:
-            placement = placements[index]
-            assert placement is not None
-            ground = self.grounds[placement.support]
-            assert ground.owner is not None
-            x, y, yaw = placement.pose
-            pose = compose(upright(x, y, ground.height, yaw), pose)
-            index = ground.owner
-        return pose
+        return solids.rests_on(self, placements, rider, below)
 
     def own(self, index: int, face: int = 0) -> Floats:
         """What an object takes up where it stands, whatever its heading: radius and height."""
@@ -457,86 +367,17 @@ class TabletopWorld:
     def hold(self, index: int, family: int, yaw: float, face: int = 0) -> SiteHold:
         """How an object that stands with a heading on a face is taken along each heading of the
         hand."""
-        kind = self.kinds[index]
-        return self.memory.answer(
-            "holds",
-            (kind, family, yaw, face),
-            lambda: self._turned_hold(kind, face, family, yaw),
-        )
-
-    def _turned_hold(self, kind: int, face: int, family: int, yaw: float) -> SiteHold:
-        """A hold for an object that is turned by whole steps from another heading is that one
-        with its headings moved on."""
-        steps, rest = divmod(yaw, STEP)
-        rest = round(rest, SAME_HEADING)
-        hold = self.memory.answer(
-            "holds within a step",
-            (kind, face, family, rest),
-            lambda: self._holds(self.faces[kind][face], family, [rest])[0],
-        )
-        by = int(steps) % HEADINGS
-        return SiteHold(
-            np.roll(hold.rows, by, axis=0),
-            hold.height,
-            ((hold.fits << by) | (hold.fits >> (HEADINGS - by))) & swept.ALL,
-            np.roll(hold.angles, by) + by * STEP,
-        )
+        return holds.hold(self, index, family, yaw, face)
 
     def learn_holds(self, family: int, standing: Iterable[tuple[int, int, float]]) -> None:
         """Look at once at how objects, by index, face and heading, are taken, where that is not
         known yet."""
-        table = self.memory.table("holds within a step")
-        unknown: dict[tuple[int, int], set[float]] = {}
-        for index, face, yaw in standing:
-            kind, rest = self.kinds[index], round(yaw % STEP, SAME_HEADING)
-            if (kind, face, family, rest) not in table:
-                unknown.setdefault((kind, face), set()).add(rest)
-        for (kind, face), found in unknown.items():
-            rests = sorted(found)
-            holds = self._holds(self.faces[kind][face], family, rests)
-            for rest, hold in zip(rests, holds, strict=True):
-                self.memory.keep("holds within a step", (kind, face, family, rest), hold)
-
-    def _holds(self, item: Item, family: int, yaws: Sequence[float]) -> list[SiteHold]:
-        """How an object that stands with some headings is taken along each heading of the hand."""
-        # Squarely on a side where there is one within the step, else as it comes.
-        tried: list[tuple[list[float], list[int]]] = []
-        for yaw in yaws:
-            angles: list[float] = []
-            owner: list[int] = []
-            for k, middle in enumerate(MIDDLES.tolist()):
-                near = [middle + t for t in _turns(item.sides + yaw - middle) if abs(t) <= STEP / 2]
-                angles += [*near, middle]
-                owner += [k] * (len(near) + 1)
-            tried.append((angles, owner))
-        seen = [np.array(angles) - yaw for (angles, _), yaw in zip(tried, yaws, strict=True)]
-        found = item.holds(self.hand, family, np.concatenate(seen))
-        if found is None:
-            return [SiteHold(np.zeros((HEADINGS, 3)), 0.0, 0, MIDDLES.copy()) for _ in yaws]
-        holds, first = [], 0
-        for angles, owner in tried:
-            rows, chosen, fits = np.zeros((HEADINGS, 3)), MIDDLES.copy(), 0
-            for i in range(len(angles) - 1, -1, -1):
-                k, at = owner[i], first + i
-                if found.fits[at] or not (fits >> k) & 1:
-                    rows[k] = found.width[at] / 2, found.along[at], found.aside[at]
-                    chosen[k] = angles[i]
-                    fits |= int(found.fits[at]) << k
-            holds.append(SiteHold(rows, found.height, fits, chosen))
-            first += len(angles)
-        return holds
+        return holds.learn_holds(self, family, standing)
 
     def grasp(self, index: int, face: int, family: int, angle: float) -> Grasp | None:
         """The grasp of an object by a family at a heading in the standing frame of a face; None
         where no hand takes it so."""
-        kind, steps = self.kinds[index], quantise_angle(angle)
-
-        def compute() -> Grasp | None:
-            item, at = self.faces[kind][face], steps * UNIT
-            found = item.holds(self.hand, family, np.array([at]))
-            return item.grasp(found, 0, at) if found is not None and found.fits[0] else None
-
-        return self.memory.answer("grasps", (kind, face, family, steps), compute)
+        return holds.grasp(self, index, face, family, angle)
 
     def place_hold(
         self, index: int, family: int, yaw: float | None, grasp: Grasp | None
@@ -544,26 +385,7 @@ class TabletopWorld:
         """How an object is held while it is put down, for each heading of the hand there: given
         by its heading there where that is prescribed, else by the grasp that holds it, else
         that of its narrowest grasp."""
-        if yaw is not None:
-            return self.hold(index, family, yaw)
-        key = (self.kinds[index], family, grasp)
-        return self.memory.answer(
-            "place holds", key, lambda: self._place_hold(index, family, grasp)
-        )
-
-    def _place_hold(self, index: int, family: int, grasp: Grasp | None) -> SiteHold:
-        if grasp is not None:
-            width = round(self.item(index, grasp.face).width(self.hand, grasp) / 2, 4)
-            row = [width, grasp.along * UNIT, grasp.aside * UNIT]
-            height = grasp.height * UNIT
-            fits = swept.ALL if grasp.family == family else 0
-            return SiteHold(np.tile(row, (HEADINGS, 1)), height, fits)
-        hold = self.hold(index, family, 0.0)
-        if not hold.fits:
-            return hold
-        fitting = [k for k in range(HEADINGS) if (hold.fits >> k) & 1]
-        best = min(fitting, key=lambda k: (hold.rows[k, 0], k))
-        return SiteHold(np.tile(hold.rows[best], (HEADINGS, 1)), hold.height, swept.ALL)
+        return holds.place_hold(self, index, family, yaw, grasp)
 
     # -- what the robot can get to ---------------------------------------------------------------
 
@@ -865,12 +687,6 @@ def _supports_of(goal: RegionGoal | PoseGoal) -> tuple[int, ...]:
     return (goal.support, *(goal.others if isinstance(goal, PoseGoal) else ()))
 
 
-def _turns(angles: Floats) -> list[float]:
-    """Angles in (-pi, pi], the smallest turns first."""
-    wrapped = (angles + math.pi) % (2 * math.pi) - math.pi
-    return sorted(wrapped.tolist(), key=abs)
-
-
 def _symmetry(thing: SceneObject) -> int:
     """How many turns about z map an object to itself as it stands."""
     turns = thing.stable[thing.rests.stable].symmetry
@@ -890,10 +706,6 @@ def fixed_rows(world: World) -> Floats:
         for part in thing.body.parts
     ]
     return np.array(rows).reshape(-1, 8)
-
-
-def _is_upright_box(part: Part) -> bool:
-    return isinstance(part.solid, Box) and abs(abs(part.pose[2, 2]) - 1) < UPRIGHT
 
 
 def grounds_of(scene: Scene, items: tuple[Item, ...]) -> tuple[Ground, ...]:

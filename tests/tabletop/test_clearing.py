@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from domains.tabletop.features import swept
-from domains.tabletop.features.arrangement import Arrangement, Thought
+from domains.tabletop.features.alpha import Thought
+from domains.tabletop.features.arrangement import Arrangement
 from domains.tabletop.features.clearing import NEVER, all_to_clear, clearing_costs, least_cost
 from domains.tabletop.scene.load import load_scene
 from domains.tabletop.state import Placement

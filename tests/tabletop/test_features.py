@@ -12,16 +12,18 @@ import pytest
 from domains.tabletop import Object, disturbances, misplaced, obstructions
 from domains.tabletop.actions.actions import MoveBase, Pick, Place
 from domains.tabletop.features import swept
-from domains.tabletop.features.arrangement import _place_barred
+from domains.tabletop.features.beta import _all_far
 from domains.tabletop.features.functions import arrangement
 from domains.tabletop.features.swept import LEVEL, PLAY, STEP
+from domains.tabletop.features.ways import place_barred
+from domains.tabletop.holds import SiteHold
 from domains.tabletop.items import GRASP_HEIGHT, PALM_AIR, PINCH_DEPTH
 from domains.tabletop.memory import Memory
 from domains.tabletop.problem import TabletopProblem
 from domains.tabletop.scene.generate import sorting_scene
 from domains.tabletop.scene.load import load_scene
 from domains.tabletop.state import PINCH, SIDE, TOP, BasePose, Grasp, Placement, State
-from domains.tabletop.world import SiteHold, TabletopWorld
+from domains.tabletop.world import TabletopWorld
 from runtime.robot.load import load_robot
 from sketchlang.compile import CompiledSketch, compile_sketch
 from sketchlang.loader import load_sketch
@@ -418,9 +420,9 @@ def test_what_is_far_from_a_goal_bars_no_way_to_it(tmp_path) -> None:
         boxes = np.vstack([world.site_boxes(*other) for other in one_of.values()])
         for family in world.families:
             ways = here.places_of(index, goal, family)
-            barred = _place_barred(world, ways, family, boxes).any(axis=0)
+            barred = place_barred(world, ways, family, boxes).any(axis=0)
             for box, bars in zip(boxes, barred, strict=True):
-                told.append(here._all_far(ways, box[None]))
+                told.append(_all_far(here, ways, box[None]))
                 assert not (told[-1] and bars)
     assert any(told)
     assert not all(told)

@@ -5,13 +5,13 @@ estimates by swept volumes (`swept.py`), not by inverse kinematics: they depend 
 arrangement alone, so the same state always has the same features.
 
 `moved` makes the arrangement in which something rests elsewhere: what that does not touch is
-carried over and equals, value by value, what would be computed afresh.
+carried over and equals, value by value, what would be computed afresh. How alpha and beta follow
+from the ways is in `alpha.py` and `beta.py`.
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Hashable, Iterable, Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -19,104 +19,33 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from domains.tabletop.faces import Turn, faces_at, turned, turns
-from domains.tabletop.features import clearing, swept
-from domains.tabletop.features.clearing import NEVER
+from domains.tabletop.features import alpha, beta, clearing, swept
+from domains.tabletop.features.alpha import Thought
 from domains.tabletop.features.goals import GoalSites
 from domains.tabletop.features.harmless import SiteTable
-from domains.tabletop.features.swept import HEADINGS, STEP
-from domains.tabletop.features.towers import serving
+from domains.tabletop.features.swept import HEADINGS
+from domains.tabletop.features.ways import (
+    Picks,
+    Places,
+    columns,
+    face_of,
+    pick_row,
+    place_barred,
+)
 from domains.tabletop.footprints import footprints_meet
-from domains.tabletop.loads import load_of, tall
+from domains.tabletop.loads import load_of
 from domains.tabletop.state import Grasp, Placement
 from runtime.kernels.plane import point_distance
 from runtime.world.poses import Floats
 
 if TYPE_CHECKING:
-    from domains.tabletop.world import Ints, Placements, SiteHold, TabletopWorld
+    from domains.tabletop.holds import SiteHold
+    from domains.tabletop.world import Ints, Placements, TabletopWorld
 
 ALL = slice(None)
 
 FAR_OFF = np.array([1e3, 1e3, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0])
 """The box of an object that is away."""
-
-
-NOTHING_BARRED: NDArray[np.bool_] = np.ones(1, dtype=np.bool_)
-"""All of some boxes are fine."""
-
-
-@dataclass(frozen=True, eq=False)
-class Picks:
-    """For one family of approaches, the ways to the objects where they rest.
-
-    `barred` (n, n): headings at object i that object j bars. `holds` (n, K, 3) and `heights`
-    (n,): how each is taken. `reachable` (n,): headings from which the robot could come.
-    `counts` (n, K): how many objects bar each heading.
-    """
-
-    barred: Ints
-    holds: Floats
-    heights: Floats
-    reachable: Ints
-    counts: Ints
-
-
-@dataclass(frozen=True, eq=False)
-class Places:
-    """The same for the sites of a goal: `barred` (S, n), `counts` (S, K), `reachable` (S,).
-    `stands` (S, 8) are boxes around the object at the sites where its heading there is known;
-    `spared` is which boxes, by what they are known as, leave a way free (`Arrangement`)."""
-
-    goal: GoalSites
-    hold: SiteHold
-    own: Floats
-    barred: Ints
-    counts: Ints
-    reachable: Ints
-    stands: Floats | None = None
-    spared: dict[Hashable, NDArray[np.bool_]] = field(default_factory=dict)
-
-    @cached_property
-    def extent(self) -> float:
-        """Metres from a site to the corners of the object there, where its heading is known."""
-        if self.stands is None:
-            return 0.0
-        return float(np.hypot(self.stands[:, 3], self.stands[:, 4]).max())
-
-    @cached_property
-    def free(self) -> Ints:
-        """Bits of the headings to each site that nothing bars (S,)."""
-        found: Ints = ((self.counts == 0) << np.arange(HEADINGS)).sum(axis=1)
-        return found
-
-    @cached_property
-    def repeated(self) -> tuple[Floats, Floats, Floats]:
-        """The hold's rows, its height and the object's own size, once for each site."""
-        n = len(self.goal.xyz)
-        return (
-            np.tile(self.hold.rows, (n, 1, 1)),
-            np.full(n, self.hold.height),
-            np.tile(self.own, (n, 1)),
-        )
-
-
-@dataclass(frozen=True, eq=False)
-class Thought:
-    """An object that is thought to rest in an arrangement besides: its index and its box (8,)."""
-
-    among: Arrangement
-    index: int
-    box: Floats
-
-    @cached_property
-    def bars(self) -> Ints:
-        """The headings to each object that it bars, for each family (F, n)."""
-        return self.among.bars(self.box[None])[:, :, 0]
-
-    @cached_property
-    def costs(self) -> Ints:
-        """The cost of taking away each object (n,)."""
-        return self.among.costs_with(self.bars) if self.bars.any() else self.among.costs
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,10 +87,10 @@ class Arrangement:
             standing = ((i, face_of(placements[i]), yaws[i]) for i in range(n) if present[i])
             world.learn_holds(family, standing)
             rows = [
-                _pick_row(world, i, family, sites[i], yaws[i], placements[i], present[i])
+                pick_row(world, i, family, sites[i], yaws[i], placements[i], present[i])
                 for i in range(n)
             ]
-            holds, heights, reachable = _columns(rows)
+            holds, heights, reachable = columns(rows)
             barred = swept.barred_matrix(
                 sites, holds, heights, owns, boxes, world.hand.sweeps[family], 0.0
             )
@@ -211,7 +140,7 @@ class Arrangement:
         holds, heights = known.holds.copy(), known.heights.copy()
         reachable, barred = known.reachable.copy(), known.barred.copy()
         for i in changed:
-            row = _pick_row(world, i, family, sites[i], yaws[i], placements[i], present[i])
+            row = pick_row(world, i, family, sites[i], yaws[i], placements[i], present[i])
             holds[i], heights[i], reachable[i] = row
         hand = world.hand.sweeps[family]
         owns = world.owns_of(placements)
@@ -245,7 +174,7 @@ class Arrangement:
                 continue
             family = key[2]  # type: ignore[index]
             barred, counts = known.barred.copy(), known.counts
-            columns = _place_barred(self.world, known, family, to.boxes[list(changed)])
+            columns = place_barred(self.world, known, family, to.boxes[list(changed)])
             for column, i in zip(columns.T, changed, strict=True):
                 gone, come = barred[:, i] * self.present[i], column * to.present[i]
                 if gone.any() or come.any():
@@ -260,13 +189,13 @@ class Arrangement:
     def _is_far(self, to: Arrangement, known: Places, index: int) -> bool:
         """Whether an object that has moved is, before and after, too far from a goal to matter."""
         (x, y), radius = known.goal.circle
-        reach = radius + max(self._reach(known.hold), known.extent)
+        reach = radius + max(self.reach(known.hold), known.extent)
         return not any(
             one.present[index] and point_distance(one.boxes[index], x, y) <= reach
             for one in (self, to)
         )
 
-    def _reach(self, hold: SiteHold) -> float:
+    def reach(self, hold: SiteHold) -> float:
         """Metres from a site beyond which nothing bars a hand of any family."""
         return self.world.widest + hold.reach
 
@@ -282,16 +211,16 @@ class Arrangement:
             same &= (gone == come).all(axis=1)
         alike, unbarred = bool(same.all()), same.tolist()
         goals = self.world.goals
-        for (index, grasp), alpha in self.alpha.items():
+        for (index, grasp), cost in self.alpha.items():
             if (
                 grasp is None
                 and unbarred[index]
-                and (alpha == 0 or alike)
+                and (cost == 0 or alike)
                 and index not in changed
                 and index in goals
                 and goals[index].key not in touched
             ):
-                to.alpha[index, None] = alpha
+                to.alpha[index, None] = cost
 
     # -- ways ---------------------------------------------------------------------------------
 
@@ -324,7 +253,7 @@ class Arrangement:
                 sites = goal.xyz.tolist()
                 stands = np.array([world.box_row(index, (x, y, z, yaw), face) for x, y, z in sites])
             known = Places(goal, hold, own, empty, empty, reachable, stands)
-            barred = _place_barred(world, known, family, self.boxes)
+            barred = place_barred(world, known, family, self.boxes)
             if goal.frame is not None:  # what it is to stand on is not in the way of it
                 owner = world.grounds[goal.support].owner
                 assert owner is not None
@@ -420,165 +349,20 @@ class Arrangement:
         self, index: int, goal: GoalSites, grasp: Grasp | None, extra: Thought | None
     ) -> int:
         """The same, with one more object thought to be there."""
-        families = self.world.families if grasp is None else (grasp.family,)
-        if self.waits(goal):
-            if not self.present[index]:
-                return 0
-            return self._of_picking(index, serving(self, index, families), extra)
-        if len(self.world.faces[index]) > 1:
-            faces = faces_at(self.world, index, goal)
-            if faces != (0,) or self._face(index, grasp):
-                return self._over_faces(faces, index, goal, grasp, extra)
-        return min(self._of_family(f, index, goal, grasp, extra) for f in families)
-
-    def _face(self, index: int, grasp: Grasp | None) -> int:
-        """The face on which an object stands, or in whose frame its grasp is given."""
-        return grasp.face if grasp is not None else face_of(self.placements[index])
-
-    def _over_faces(
-        self,
-        faces: Sequence[int],
-        index: int,
-        goal: GoalSites,
-        grasp: Grasp | None,
-        extra: Thought | None,
-    ) -> int:
-        """The same for an object that may be put on one of some faces, whatever face it is
-        on: the grasp is turned along with it."""
-        fewest = 2 * swept.UNREACHABLE
-        for turn in self._turns(faces, index, grasp):
-            ways = self.places_of(index, goal, turn.there.family, turn.there)
-            plus = np.zeros(len(goal.xyz), dtype=np.int64)
-            if extra is not None:
-                plus = _place_barred(self.world, ways, turn.there.family, extra.box[None])[:, 0]
-            place = int(swept.residue_minima(ways.counts, ways.barred[:, index], plus, 1)[0])
-            pick = self._barring(turn, index, extra)
-            least = pick + place
-            if least > 0 and max(pick, place) < swept.UNREACHABLE:
-                cost, _ = self._cleared(turn.family, index, goal, grasp, extra, turn=turn)
-                least = cost if cost < NEVER else swept.UNREACHABLE + least
-            fewest = min(fewest, least)
-        return fewest
-
-    def _turns(self, faces: Sequence[int], index: int, grasp: Grasp | None) -> Iterable[Turn]:
-        """The ways to put an object on one of some faces: of taking it, too, where it rests."""
-        world, face = self.world, self._face(index, grasp)
-        for to in faces:
-            if grasp is None:
-                yield from turns(world, index, face, to)
-                continue
-            there = turned(world, index, grasp, to)
-            if there is not None:
-                yield Turn(grasp.family, grasp.heading, there)
-
-    def _barring(self, turn: Turn, index: int, extra: Thought | None) -> int:
-        """How many objects bar the way to take an object as a turn does; none where it is held."""
-        if not self.present[index]:
-            return 0
-        bits, counts = self._headings(turn, index), self.picks[turn.family].counts[index]
-        plus = 0 if extra is None else int(self._pick_barred(turn.family, index, extra.box)[0])
-        near = [k for k in range(HEADINGS) if (bits >> k) & 1]
-        return min(int(counts[k]) + ((plus >> k) & 1) for k in near)
-
-    def _headings(self, turn: Turn, index: int) -> int:
-        """Bits of the headings next to that along which a turn takes an object where it rests."""
-        at = self.world.rests(self.placements, index)
-        assert at is not None
-        return swept.near_headings(turn.angle + at[3])
+        return alpha.obstructions_with(self, index, goal, grasp, extra)
 
     def barred_from_picking(self, index: int) -> int:
         """The cost of taking away what is in the way of picking an object up that rests."""
-        return self._of_picking(index, self.world.families, None) if self.present[index] else 0
+        return alpha.barred_from_picking(self, index)
 
-    def _of_picking(self, index: int, families: Sequence[int], extra: Thought | None) -> int:
-        """The cost of taking away what is in the way of picking an object up."""
-        fewest = 2 * swept.UNREACHABLE
-        none = np.zeros(1, dtype=np.int64)
-        for family in families:
-            plus = none if extra is None else self._pick_barred(family, index, extra.box)
-            counts = self.picks[family].counts[index : index + 1]
-            fewest = min(fewest, int(swept.residue_minima(counts, none, plus, 1).min()))
-        if 0 < fewest < swept.UNREACHABLE:
-            cost = int((self.costs if extra is None else extra.costs)[index])
-            # The cost is that of the cheapest family, which may not be among these.
-            return max(cost, fewest) if cost < NEVER else swept.UNREACHABLE + fewest
-        return fewest
+    def in_the_way(self, index: int, goal: GoalSites) -> list[int]:
+        """Objects to be taken away before an object can be picked up and put at its goal, along
+        any of the cheapest ways; where there is none, those that bar a least barred heading."""
+        return alpha.in_the_way(self, index, goal)
 
-    def _of_family(
-        self, family: int, index: int, goal: GoalSites, grasp: Grasp | None, extra: Thought | None
-    ) -> int:
-        """The same with grasps of one family. What nothing bars needs no look at what bars what."""
-        ways, picks = self.places_of(index, goal, family, grasp), self.picks[family]
-        none, modulus = np.zeros(len(goal.xyz), dtype=np.int64), goal.modulus
-        plus = none if extra is None else _place_barred(self.world, ways, family, extra.box[None])
-        place = swept.residue_minima(ways.counts, ways.barred[:, index], plus.reshape(-1), modulus)
-        turn = self._turn(index, goal, grasp) % modulus
-        if turn:
-            place = np.roll(place, -turn)
-        if self.present[index]:
-            held_by = none[:1] if extra is None else self._pick_barred(family, index, extra.box)
-            counts = picks.counts[index : index + 1]
-            pick = swept.residue_minima(counts, none[:1], held_by, modulus)
-        else:
-            pick = np.zeros(modulus, dtype=np.int64)
-            if grasp is not None:  # it fixes the heading of the approach for each of the object
-                pick[1:] = 2 * swept.UNREACHABLE
-        at_most = int((pick + place).min())
-        if at_most == 0 or int(np.maximum(pick, place).min()) >= swept.UNREACHABLE:
-            return at_most
-        if extra is not None and modulus == 1 and place[0] == 0 and not extra.bars.any():
-            return self._of_family(family, index, goal, grasp, None)
-        cost, _ = self._cleared(family, index, goal, grasp, extra, modulus == 1 and place[0] == 0)
-        return cost if cost < NEVER else swept.UNREACHABLE + at_most
-
-    def _turn(self, index: int, goal: GoalSites, grasp: Grasp | None) -> int:
-        """Headings from the way to an object, or from bit 0 where a grasp holds it, to the way
-        to a goal that prescribes its heading."""
-        yaw = goal.world_yaw
-        if yaw is None:
-            return 0
-        if not self.present[index]:
-            return 0 if grasp is None else round((yaw + grasp.heading) / STEP)
-        at = self.world.rests(self.placements, index)
-        assert at is not None
-        return round((yaw - at[3]) / STEP)
-
-    def _cleared(
-        self,
-        family: int,
-        index: int,
-        goal: GoalSites,
-        grasp: Grasp | None,
-        extra: Thought | None,
-        placeable: bool = False,
-        turn: Turn | None = None,
-    ) -> tuple[int, NDArray[np.bool_]]:
-        """The cost of what is to be taken away before an object can be picked up and put at its
-        goal with grasps of a family, or as a turn does, and what bars the cheapest ways (n + 1,).
-        `placeable`: nothing bars the latter."""
-        picks, there = self.picks[family], family if turn is None else turn.there.family
-        ways = self.places_of(index, goal, there, grasp if turn is None else turn.there)
-        costs = np.where(self.present > 0, self.costs if extra is None else extra.costs, -1)
-        costs = np.append(costs, -1 if extra is None else 0)
-        costs[index] = -1
-        pick, pickable = np.append(picks.barred[index], 0), int(picks.reachable[index])
-        if turn is not None and self.present[index]:
-            pickable &= self._headings(turn, index)
-        place, reachable = np.zeros((1, len(costs)), dtype=np.int64), np.array([swept.ALL])
-        if not placeable:
-            plus = np.zeros((len(goal.xyz), 1), dtype=np.int64)
-            if extra is not None:
-                plus = _place_barred(self.world, ways, there, extra.box[None])
-            place, reachable = np.hstack([ways.barred, plus]), ways.reachable
-        if not self.present[index]:
-            pick[:], pickable = 0, swept.ALL if grasp is None else 1
-        elif extra is not None:
-            pick[-1] = extra.bars[self.world.families.index(family), index]
-        onwards = self._turn(index, goal, grasp) % goal.modulus
-        found: tuple[int, NDArray[np.bool_]] = clearing.least_cost(
-            pick, pickable, place, reachable, costs, goal.modulus, onwards
-        )
-        return found
+    def face(self, index: int, grasp: Grasp | None) -> int:
+        """The face on which an object stands, or in whose frame its grasp is given."""
+        return grasp.face if grasp is not None else face_of(self.placements[index])
 
     @cached_property
     def costs(self) -> Ints:
@@ -587,81 +371,14 @@ class Arrangement:
 
     def costs_with(self, bars: Ints) -> Ints:
         """The same, with one more object that bars some headings to the others (F, n)."""
-        found: Ints = clearing.clearing_costs(*self._barred, bars, self.present)
+        found: Ints = clearing.clearing_costs(*self.what_bars, bars, self.present)
         return found
 
     @property
-    def _barred(self) -> tuple[Ints, Ints]:
+    def what_bars(self) -> tuple[Ints, Ints]:
         """What bars what (F, n, n), and how many bar each heading (F, n, K)."""
         barred = np.array([picks.barred for picks in self.picks.values()])
         return barred, np.array([picks.counts for picks in self.picks.values()])
-
-    def _pick_barred(self, family: int, index: int, box: Floats) -> Ints:
-        """Bits (1,) of the headings to an object that a box bars."""
-        picks, one = self.picks[family], slice(index, index + 1)
-        found: Ints = swept.barred_matrix(
-            self.sites[one],
-            picks.holds[one],
-            picks.heights[one],
-            self.world.own(index, face_of(self.placements[index]))[None],
-            box[None],
-            self.world.hand.sweeps[family],
-            0.0,
-        )[0]
-        return found
-
-    def in_the_way(self, index: int, goal: GoalSites) -> list[int]:
-        """Objects to be taken away before an object can be picked up and put at its goal, along
-        any of the cheapest ways; where there is none, those that bar a least barred heading."""
-        chosen, faces = np.zeros(len(self.boxes), dtype=np.bool_), faces_at(self.world, index, goal)
-        if self.waits(goal):
-            fewest = int(self.costs[index])
-            chosen[index] = True
-        else:
-            if faces == (0,):
-                ways = [self._cleared(family, index, goal, None, None) for family in self.picks]
-            else:
-                ways = [
-                    self._cleared(turn.family, index, goal, None, None, turn=turn)
-                    for turn in self._turns(faces, index, None)
-                ]
-            fewest = min((cost for cost, _ in ways), default=NEVER)
-            for cost, bars in ways:
-                if cost == fewest:
-                    chosen |= bars[:-1]
-        if fewest >= NEVER:
-            return self._least_bars(index, goal)
-        costs = np.where(self.present > 0, self.costs, -1)
-        found = clearing.all_to_clear(chosen, *self._barred, costs)
-        found[index] = False
-        return [int(i) for i in np.flatnonzero(found)]
-
-    def _least_bars(self, index: int, goal: GoalSites) -> list[int]:
-        """Objects that bar a least barred heading to an object, or to a site of its goal."""
-        found: set[int] = set()
-        for f in self._best(self.picks[f].counts[index].min() for f in self.world.families):
-            picks = self.picks[self.world.families[f]]
-            counts = picks.counts[index]
-            for k in np.flatnonzero(counts == counts.min()):
-                found |= {int(j) for j in np.flatnonzero((picks.barred[index] >> k) & 1)}
-        faces = faces_at(self.world, index, goal)
-        ways = [self.places_of(index, goal, f) for f in self.world.families]
-        if faces != (0,):
-            there = [turn.there for turn in self._turns(faces, index, None)]
-            ways = [self.places_of(index, goal, g.family, g) for g in there] or ways
-        for f in self._best(way.counts.min() for way in ways):
-            barred, counts = ways[f].barred, ways[f].counts
-            fewest = counts.min()
-            if fewest > 0:
-                for site, k in np.argwhere(counts == fewest):
-                    found |= {int(j) for j in np.flatnonzero((barred[site] >> k) & 1)}
-        found.discard(index)
-        return sorted(found)
-
-    @staticmethod
-    def _best(values: Iterable[int]) -> list[int]:
-        known = list(values)
-        return [i for i, value in enumerate(known) if value == min(known)]
 
     # -- beta -----------------------------------------------------------------------------------
 
@@ -670,29 +387,13 @@ class Arrangement:
 
         The object itself must be away in this arrangement.
         """
-        world = self.world
-        at = world.rests_at(self.placements, index, placement)
-        if at is None:
-            return 1  # on something in the hand, or on what stands on the object itself
-        box = world.box_row(index, at, placement.face)
-        if world.owned:
-            box[5] = tall(world, self.placements, index, placement.face) / 2
-            box[2] = at[2] + box[5]
-        extra = Thought(self, index, box)
-        owner = world.grounds[placement.support].owner
-        below = frozenset() if owner is None else self.standing_on(owner)
-        others = frozenset(i for i in misplaced if i != index and self.present[i])
-        count = len(others & below)
-        if not count and not extra.bars.any() and self._leaves_places(box[None], others)[0]:
-            return 0
-        for other in others - below:
-            goal = world.goal_sites(other, self)
-            if goal is None:
-                continue
-            before = self.obstructions(other, goal)
-            if not self._both_far(extra, other, goal) or (before > 0 and extra.bars.any()):
-                count += self.obstructions_with(other, goal, None, extra) > before
-        return count
+        return beta.disturbed_by(self, index, placement, misplaced)
+
+    def has_harmless_site(self, index: int, goal: GoalSites, others: frozenset[int]) -> bool:
+        """Whether an object could go to a site of its goal, on furniture, where it certainly is in
+        nobody's way: it bars no heading to any object, and leaves a free one to the goals of the
+        others. That holds, too, once the object itself is away."""
+        return beta.has_harmless_site(self, index, goal, others)
 
     def free_sites(self, index: int, goal: GoalSites) -> NDArray[np.bool_]:
         """Which sites of a goal no other object occupies (S,)."""
@@ -714,37 +415,6 @@ class Arrangement:
         last[key] = self.placements, found
         return found
 
-    def has_harmless_site(self, index: int, goal: GoalSites, others: frozenset[int]) -> bool:
-        """Whether an object could go to a site of its goal, on furniture, where it certainly is in
-        nobody's way: it bars no heading to any object, and leaves a free one to the goals of the
-        others. That holds, too, once the object itself is away."""
-        world = self.world
-        key = (goal.key, world.kinds[index])
-        harmless = self.site_table(index, goal).harmless(index)
-        if not harmless.any():
-            return False
-        groups = self._groups_of(others)
-        alone = next((g for g in groups if groups[g] == (index,)), None)
-        # Of one kind with one goal any will do, but where things ride on each other.
-        question = (key, others, alone, index if world.owned else None)
-        if question not in self.left:
-            boxes = world.site_boxes(index, goal)
-            asked = [group[group[0] == index] for g, group in groups.items() if g != alone]
-            self.left[question] = self._leaves_places(boxes, asked, known_as=key)
-        return bool((harmless & self.left[question]).any())
-
-    def _groups_of(self, others: frozenset[int]) -> dict[Hashable, tuple[int, ...]]:
-        """Objects that stand somewhere, the first two of each kind with the same goal."""
-        if others not in self.groups:
-            found: dict[Hashable, tuple[int, ...]] = {}
-            for other in sorted(others):
-                goal = self.world.goal_sites(other, self)
-                if self.present[other] and goal is not None:
-                    group = (goal.key, self.world.kinds[other], self._face(other, None))
-                    found[group] = (*found.get(group, ()), other)[:2]
-            self.groups[others] = found
-        return self.groups[others]
-
     def bars(self, boxes: Floats, chosen: Sequence[int] | slice = ALL) -> Ints:
         """The headings to each of some objects that boxes (b, 8) bar, for each family (F, n, b)."""
         owns = self.world.owns_of(self.placements)[chosen]
@@ -757,83 +427,6 @@ class Arrangement:
         ]  # fmt: skip
         return np.array(bars) * self.present[chosen][:, None]
 
-    def _leaves_places(
-        self, boxes: Floats, others: Iterable[int], known_as: Hashable = None
-    ) -> NDArray[np.bool_]:
-        """Which boxes (b, 8), thought to be there one at a time, bar nothing on the way to the
-        goals of others, or leave free ways to other sites of these (b,). `known_as` names boxes
-        that are always the same, and what they bar is remembered."""
-        world, seen = self.world, set()
-        fine = np.ones(len(boxes), dtype=np.bool_)
-        for other in others:
-            goal = world.goal_sites(other, self)
-            if goal is None or self.waits(goal) or (goal.key, world.kinds[other]) in seen:
-                continue
-            if faces_at(world, other, goal) != (0,) or self._face(other, None):
-                return np.zeros(len(boxes), dtype=np.bool_)  # it is turned on its way there
-            seen.add((goal.key, world.kinds[other]))
-            places = {f: self.places_of(other, goal, f) for f in world.families}
-            # Where no site is reached anyway there is nothing to lose.
-            open_ones = {f: ways for f, ways in places.items() if ways.reachable.any()}
-            for family, ways in (open_ones or places).items():
-                spared = ways.spared.get(known_as)
-                if spared is None:
-                    spared = self._spared(ways, family, boxes, known_as, world.kinds[other])
-                    if known_as is not None:
-                        ways.spared[known_as] = spared
-                if spared is not NOTHING_BARRED:
-                    fine &= spared
-        return fine
-
-    def _spared(
-        self, ways: Places, family: int, boxes: Floats, known_as: Hashable, kind: int
-    ) -> NDArray[np.bool_]:
-        """Which boxes (b,) bar nothing on the ways to the sites of a goal, or leave a way free to
-        one of them where any will do."""
-        plus = self._barred_by(ways, family, boxes, known_as, kind)
-        if plus is None:
-            return NOTHING_BARRED
-        harmless: NDArray[np.bool_] = np.logical_not(plus.any(axis=0))
-        if ways.goal.modulus == 1:
-            harmless |= (ways.free[:, None] & ~plus).any(axis=0)
-        return harmless
-
-    def _barred_by(
-        self, ways: Places, family: int, boxes: Floats, known_as: Hashable, kind: int
-    ) -> Ints | None:
-        """Bits (S, b) of the headings to the sites of a goal that boxes bar; None where they bar
-        none: most goals are far from each other."""
-
-        def compute() -> Ints | None:
-            found = _place_barred(self.world, ways, family, boxes)
-            return found if found.any() else None
-
-        if known_as is None or ways.goal.frame is not None:
-            return compute()
-        if self._all_far(ways, boxes):
-            return None
-        question = (known_as, ways.goal.key, kind, family, ways.hold.key)
-        return self.world.memory.answer("sites bar sites", question, compute)
-
-    def _all_far(self, ways: Places, boxes: Floats) -> bool:
-        """Whether boxes (b, 8) are too far from the sites of a goal to bar a way to any of them, by
-        circles around all of them."""
-        (x, y), radius = ways.goal.circle
-        reach = radius + max(self._reach(ways.hold), ways.extent)
-        away = np.hypot(boxes[:, 0] - x, boxes[:, 1] - y) - np.hypot(boxes[:, 3], boxes[:, 4])
-        return bool(away.min() > reach)
-
-    def _both_far(self, extra: Thought, other: int, goal: GoalSites) -> bool:
-        """Whether a box is too far from an object and from its goal to be in its way."""
-        (x, y), radius = goal.circle
-        hold = self.world.place_hold(other, self.world.families[0], goal.world_yaw, None)
-        reach = self._reach(hold) + 2 * self.world.radius(other)
-        site = self.sites[other]
-        return bool(
-            point_distance(extra.box, site[0], site[1]) > reach
-            and point_distance(extra.box, x, y) > reach + radius
-        )
-
 
 def changes(world: TabletopWorld, before: Placements, after: Placements) -> list[int]:
     """What rests elsewhere, or on something that does."""
@@ -844,35 +437,6 @@ def changes(world: TabletopWorld, before: Placements, after: Placements) -> list
         riders = {*world.riders(before, i), *world.riders(after, i)}
         changed += [r for r in riders if r not in changed]
     return changed
-
-
-def face_of(placement: Placement | None) -> int:
-    """The face on which an object rests; that of the start where it is held."""
-    return 0 if placement is None else placement.face
-
-
-def _pick_row(
-    world: TabletopWorld,
-    index: int,
-    family: int,
-    site: Floats,
-    yaw: float,
-    placement: Placement | None,
-    present: int,
-) -> tuple[Floats, float, int]:
-    """How an object is taken where it rests, and bits of the headings that the robot reaches."""
-    if not present:
-        return np.zeros((HEADINGS, 3)), 0.0, 0
-    face = face_of(placement)
-    hold = world.hold(index, family, yaw, face)
-    x, y, z = site.tolist()
-    return hold.rows, hold.height, world.reachable_at(index, family, (x, y, z, yaw), face)
-
-
-def _columns(rows: Sequence[tuple[Floats, float, int]]) -> tuple[Floats, Floats, Ints]:
-    holds = np.array([row[0] for row in rows]).reshape(-1, HEADINGS, 3)
-    heights = np.array([row[1] for row in rows], dtype=np.float64)
-    return holds, heights, np.array([row[2] for row in rows], dtype=np.int64)
 
 
 def _is_stacked(world: TabletopWorld, placements: Placements, boxes: Floats) -> bool:
@@ -937,19 +501,3 @@ def _borne(boxes: Floats, index: int) -> NDArray[np.bool_]:
 
 OVERLAP = 0.002
 """Metres by which footprints must overlap for one thing to bear the other."""
-
-
-def _place_barred(world: TabletopWorld, ways: Places, family: int, boxes: Floats) -> Ints:
-    """Bits (S, n) of the headings to the sites of a goal that boxes (n, 8) bar."""
-    holds, heights, owns = ways.repeated
-    sweep = world.hand.sweeps[family]
-    found: Ints = swept.barred_matrix(ways.goal.xyz, holds, heights, owns, boxes, sweep, 0.0)
-    for s, stands in enumerate(() if ways.stands is None else ways.stands):
-        # Where its heading is prescribed, what reaches into its corners is in its place, too.
-        away = np.hypot(boxes[:, 0] - stands[0], boxes[:, 1] - stands[1])
-        near = away < np.hypot(boxes[:, 3], boxes[:, 4]) + math.hypot(stands[3], stands[4])
-        for j in np.flatnonzero(near & (found[s] != swept.ALL)):
-            apart = abs(boxes[j, 2] - stands[2]) >= boxes[j, 5] + stands[5] - swept.LEVEL
-            if not apart and footprints_meet(stands, boxes[j], 0.0):
-                found[s, j] = swept.ALL
-    return found

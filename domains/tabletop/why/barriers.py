@@ -15,8 +15,9 @@ import numpy as np
 from domains.tabletop.features import swept
 from domains.tabletop.features.functions import arrangement
 from domains.tabletop.features.goals import GoalSites
+from domains.tabletop.holds import SiteHold
 from domains.tabletop.state import State
-from domains.tabletop.world import SiteHold, TabletopWorld
+from domains.tabletop.world import TabletopWorld
 from runtime.motion.room import Room, bare, whole
 from runtime.world.poses import Floats
 from sketchlang.analysis.words import listed
