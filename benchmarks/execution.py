@@ -12,6 +12,7 @@ from time import perf_counter
 
 import numpy as np
 
+from benchmarks.carried_out import SKETCH, carried_out, trace_of
 from domains.tabletop.actions.document import document
 from domains.tabletop.loop.closed_loop import ClosedLoop
 from domains.tabletop.loop.disturb import KINDS
@@ -19,19 +20,15 @@ from domains.tabletop.problem import TabletopProblem
 from domains.tabletop.scene.load import load_scene
 from domains.tabletop.world import TabletopWorld
 from runtime.bench.paper import SCENES
-from runtime.physics.execute import execute
 from runtime.plan.model import Plan
 from runtime.robot.load import DEFAULT_ROBOT, load_robot
 from runtime.search.limits import Limits
 from runtime.search.siw_r import lazy_siiw_r
-from runtime.trace.make import trace_of_plan
 from runtime.trace.model import Trace
 from runtime.trace.sketch import load_trace_sketch
 from sketchlang.compile import compile_sketch
 from sketchlang.library import find_scene
 from sketchlang.loader import load_sketch
-
-SKETCH = "pick_and_place"
 
 
 def planned(scene_name: str, seed: int) -> Trace:
@@ -44,7 +41,7 @@ def planned(scene_name: str, seed: int) -> Trace:
     outcome = lazy_siiw_r(compiled, problem, Limits(timeout=300.0), np.random.default_rng(seed))
     assert outcome.solved, f"{scene_name}, seed {seed}: {outcome.reason}"
     plan: Plan = document(world, compiled.model, outcome, "lazy-siiw-r", seed, problem.executor)
-    return trace_of_plan(plan, scene.world, robot, load_trace_sketch(SKETCH))
+    return trace_of(world, plan)
 
 
 def open_loop(scenes: Sequence[str] = SCENES, seeds: Sequence[int] = range(5)) -> None:
@@ -60,7 +57,7 @@ def open_loop(scenes: Sequence[str] = SCENES, seeds: Sequence[int] = range(5)) -
         for seed in seeds:
             trace = planned(scene, seed)
             started = perf_counter()
-            report, _ = execute(trace)
+            report, _ = carried_out(trace)
             wall += perf_counter() - started
             simulated += report.duration
             errors += [pose.error for pose in report.objects]

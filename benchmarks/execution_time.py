@@ -20,16 +20,13 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.carried_out import SKETCH, carried_out, trace_of
 from runtime.bench.paper import SCENES
 from runtime.reporting import Document
 from runtime.search.limits import Limits
 from runtime.solve import Task, open_task
-from runtime.trace.make import trace_of_plan
 from runtime.trace.model import Trace
-from runtime.trace.sketch import load_trace_sketch
 from sketchlang.loader import load_sketch
-
-SKETCH = "pick_and_place"
 
 STILL = 1e-3
 """Metres or radians a second below which something counts as resting."""
@@ -77,7 +74,7 @@ def runs(scene: str, seeds: Sequence[int], options: argparse.Namespace) -> Itera
             yield {"scene": scene, "seed": seed, "solved": False}
             continue
         world, plan = task.problem.world, result.plan.plan  # type: ignore[attr-defined]
-        trace = trace_of_plan(plan, world.scene.world, world.robot, load_trace_sketch(SKETCH))
+        trace = trace_of(world, plan)
         record = {
             "scene": scene,
             "seed": seed,
@@ -106,7 +103,6 @@ def checked(task: Task, document: Document, trace: Trace) -> dict[str, Any]:
     from domains.tabletop.actions.retrace import retrace
     from runtime.judge.certify import certify
     from runtime.judge.run_of_sketch import Snapshots, moment_faults, run_faults
-    from runtime.physics.execute import execute
 
     world, plan = task.problem.world, document.plan  # type: ignore[attr-defined]
     seen = Snapshots(plan)
@@ -114,11 +110,11 @@ def checked(task: Task, document: Document, trace: Trace) -> dict[str, Any]:
     moments = retrace(plan, world, task.sketch)
     faults = [finding.message for finding in certificate.findings]
     faults += [*run_faults(plan, task.sketch.model, moments), *moment_faults(moments, seen.moments)]
-    report, _ = execute(trace)
+    report, error = carried_out(trace)
     return {
         "faults": faults,
         "executed": report.success,
-        "error": max((pose.error for pose in report.objects), default=0.0),
+        "error": error,
         "touches": len(report.touches),
     }
 

@@ -22,10 +22,11 @@ from pathlib import Path
 from time import perf_counter, process_time
 from typing import Any
 
+from benchmarks.carried_out import SKETCH, carried_out, trace_of
 from benchmarks.open_scenes import BUILT, GRIDS, IMPOSSIBLE, MOVED, SCENES
 from runtime.search.limits import Limits
+from runtime.search.siw_r import End
 from runtime.solve import Result, open_task
-from runtime.trace.model import Trace
 from sketchlang.errors import InputError
 from sketchlang.loader import load_sketch
 
@@ -38,7 +39,7 @@ def run(name: str, robot: str, seed: int, folder: Path, physics: bool) -> dict[s
     """One run, as an object for a line of the file."""
     path = folder / f"{name}-{seed}.toml"
     path.write_text(SCENES[name](seed))
-    task = open_task(load_sketch("pick_and_place").checked, str(path), seed, robot)
+    task = open_task(load_sketch(SKETCH).checked, str(path), seed, robot)
     task.reporting.warm_up()
     begun = process_time()
     result = task.solve(Limits(timeout=PATIENCE))
@@ -54,30 +55,18 @@ def run(name: str, robot: str, seed: int, folder: Path, physics: bool) -> dict[s
     if not verdict.valid:
         said["findings"] = [str(found.message) for found in verdict.findings][:3]
     try:
-        return said | (_carried_out(result) if physics else {})
+        return said | (_executed(result) if physics else {})
     except InputError as error:
         return said | {"executed": False, "error_mm": 0.0, "unmet": [str(error)]}
 
 
-def _carried_out(result: Result) -> dict[str, Any]:
-    from runtime.physics.execute import execute
-
-    report, _ = execute(_trace(result))
-    said = {"executed": report.success, "error_mm": 0.0}
-    said["error_mm"] = round(1000 * max((pose.error for pose in report.objects), default=0.0), 2)
+def _executed(result: Result) -> dict[str, Any]:
+    report, error = carried_out(trace_of(result.task.problem.world, result.plan.plan))
+    said = {"executed": report.success, "error_mm": round(1000 * error, 2)}
     if not report.success or report.slips:
         said["slips"] = [f"{slip.time:.1f} s {slip.object} {slip.what}" for slip in report.slips]
         said["unmet"] = list(report.unmet)
     return said
-
-
-def _trace(result: Result) -> Trace:
-    from runtime.trace.make import trace_of_plan
-    from runtime.trace.sketch import trace_sketch
-
-    world = result.task.problem.world
-    sketch = trace_sketch(load_sketch("pick_and_place"))
-    return trace_of_plan(result.plan.plan, world.scene.world, world.robot, sketch)
 
 
 def table(lines: Sequence[dict[str, Any]]) -> str:
@@ -98,7 +87,7 @@ def _row(name: str, robot: str, lines: Sequence[dict[str, Any]]) -> str:
     seconds = [line["cpu_s"] for line in lines]
     tried = [line for line in lines if "executed" in line]
     if name in IMPOSSIBLE:
-        named = sum(not line["solved"] and line["end"] == "hopeless" for line in lines)
+        named = sum(not line["solved"] and line["end"] == End.HOPELESS.value for line in lines)
         done = [f"named: {named} of {len(lines)}", "", "", ""]
     else:
         done = [

@@ -14,7 +14,8 @@ from functools import cached_property
 import numpy as np
 
 from domains.tabletop.hand import Hand
-from domains.tabletop.outlines import FRICTION, Slab, around, room_within
+from domains.tabletop.outlines import Slab, around, room_within
+from domains.tabletop.pads import Polyhedron, across, firm
 from domains.tabletop.rims import PALM_AIR, outermost, rim_of
 from domains.tabletop.state import PINCH, SIDE, SLANT, SLOPE, TOP, UNIT, Grasp
 from domains.tabletop.steps import beside_steps
@@ -33,6 +34,9 @@ PINCH_DEPTH = 0.03
 
 ASLANT_DEPTH = 0.01
 """Metres that a hand which comes aslant reaches over the near side of what it takes, at least."""
+
+LEVEL = 1e-6
+"""Metres by which what counts as upright or level may be off."""
 
 SIDE_LENGTH = 0.01
 """Metres of an edge of an outline that counts as a side."""
@@ -173,35 +177,59 @@ class Item:
         ahead = np.array([np.cos(angles), np.sin(angles)])
         forward = np.vstack(outlines) @ ahead  # (n, k)
         near, far = forward.min(axis=0), forward.max(axis=0)
+        behind, before = self._reach(hand, family, height)
         if family == PINCH:
             along = near + np.minimum(PINCH_DEPTH, (far - near) / 2)
-            slab = Slab(outlines, angles, along - hand.back, along + hand.tip)
-            width = np.full(len(angles), self.size[2])
             fits = along - near <= hand.back - PALM_AIR
         elif family == TOP:
             # A long thing is taken over its centre of mass, where it hangs level.
             along = self.centre[:2] @ ahead
-            slab = Slab(outlines, angles, along - hand.pad, along + hand.pad)
-            width = slab.width
-            fits = slab.slip <= FRICTION * width
+            fits = np.full(len(angles), True)
         elif family == SLANT:
             # The palm stays behind the upper edge on the near side.
             along = np.minimum(0.0, near + self._room_aslant(hand) - (self.size[2] - height))
-            behind, ahead_of = _reach_aslant(hand)
-            slab = Slab(outlines, angles, along - behind, along + ahead_of)
-            width = slab.width
-            least = np.minimum(ASLANT_DEPTH, (far - near) / 4)
-            fits = (slab.slip <= FRICTION * width) & (along >= near + least - 1e-9)
+            fits = along >= near + np.minimum(ASLANT_DEPTH, (far - near) / 4) - 1e-9
         else:
             along = np.minimum(0.0, near + hand.back - PALM_AIR)
-            slab = Slab(outlines, angles, along - hand.back, along + hand.tip)
+            fits = along > near + np.minimum(0.01, (far - near) / 4)
+        slab = Slab(outlines, angles, along - behind, along + before)
+        if family == PINCH:
+            width = np.full(len(angles), self.size[2])
+        else:
             width = slab.width
-            fits = (slab.slip <= FRICTION * width) & (
-                along > near + np.minimum(0.01, (far - near) / 4)
-            )
+            fits = fits & across(slab)
         fits = fits & (width > 0) & (width + 2 * hand.clearance <= hand.max_opening + 1e-9)
         fits = fits & self._is_borne(hand, angles, along, slab.middle)
-        return Hold(family, height, width, along, slab.middle, fits)
+        return self._firmly(hand, angles, Hold(family, height, width, along, slab.middle, fits))
+
+    def _firmly(self, hand: Hand, angles: Floats, hold: Hold) -> Hold:
+        """The hold without the headings at which the pads would slip off a shape whose faces are
+        not all upright or level, or that has several parts."""
+        chosen = np.flatnonzero(hold.fits)
+        if self._is_prism or not len(chosen):
+            return hold
+        tools = np.array([self.grasp(hold, k, float(angles[k])).tool for k in chosen.tolist()])
+        pad = np.array([[-hand.back, -hand.pad], [hand.tip, hand.pad]])
+        fits = np.full(len(angles), False)
+        fits[chosen] = firm(self._polyhedra, tools, pad, hold.width[chosen])
+        return replace(hold, fits=fits)
+
+    @cached_property
+    def _is_prism(self) -> bool:
+        """Whether it is one solid that looks the same at each of its heights."""
+        if len(self._outlines) != 1:
+            return False
+        corners = self._outlines[0][0]
+        low = corners[:, 2] < self.size[2] / 2
+        ends = [around(corners[chosen, :2]) for chosen in (low, ~low)]
+        level = np.minimum(corners[:, 2], self.size[2] - corners[:, 2])
+        return bool(np.abs(level).max() < LEVEL) and (
+            ends[0].shape == ends[1].shape and bool(np.abs(ends[0] - ends[1]).max() < LEVEL)
+        )
+
+    @cached_property
+    def _polyhedra(self) -> list[Polyhedron]:
+        return [Polyhedron.of(corners, edges) for corners, edges in self._outlines]
 
     @cached_property
     def sides(self) -> Floats:
@@ -220,7 +248,7 @@ class Item:
         )
 
     def _gripped(self, hand: Hand, family: int) -> tuple[float, list[Floats]] | None:
-        """The height of the grasp centre, and the outlines of what is between the fingers."""
+        """The height of the grasp centre, and what is between the fingers there."""
         if family not in self._known_grips:
             height = self._grasp_height(hand, family)
             found = None
@@ -233,35 +261,36 @@ class Item:
     def _by_its_rim(self, hand: Hand) -> bool:
         """Whether from above a rim of the object, or a knob on it, fits between the fingers along
         more headings than all of it does."""
-        known = self._known_grips
-        if -1 not in known:
-            known[-1] = None
+        known = self._known_rims
+        if TOP not in known:
+            known[TOP] = None
             rim = rim_of(self.parts, self.size[2], hand) if len(self.parts) > 1 else None
             outlines = [] if rim is None else self.section(rim - hand.tip, self.size[2])
             if rim is not None and outlines:
-                known[-1] = (rim, outlines)
+                known[TOP] = (rim, outlines)
                 gripped = self._gripped(hand, TOP)
                 angles = np.concatenate([self.sides, np.arange(24.0) * math.pi / 12])
                 whole = 0
                 if gripped is not None:
                     whole = int(self._across(hand, TOP, angles, *gripped).fits.sum())
                 if whole and whole >= int(self._rim_holds(hand, angles).fits.sum()):
-                    known[-1] = None
-        return known[-1] is not None
+                    known[TOP] = None
+        return known[TOP] is not None
 
     def _rim_holds(self, hand: Hand, angles: Floats) -> Hold:
         """How a hand takes the object from above by the part of its rim that is on the left,
         beside its centre of mass."""
-        gripped = self._known_grips[-1]
-        assert gripped is not None
-        height, outlines = gripped
+        rim = self._known_rims[TOP]
+        assert rim is not None
+        height, outlines = rim
         along = self.centre[:2] @ np.array([np.cos(angles), np.sin(angles)])
         width, middle, fits = outermost(
             outlines, angles, along - hand.pad, along + hand.pad, hand.finger_width
         )
         fits &= width + 2 * hand.clearance <= hand.max_opening + 1e-9
         borne = self._is_borne(hand, angles, along, middle)
-        return Hold(TOP, height, width, along, middle, np.where(fits, borne, False))
+        borne = np.where(fits, borne, False)
+        return self._firmly(hand, angles, Hold(TOP, height, width, along, middle, borne))
 
     def _between(self, hand: Hand, family: int, height: float) -> tuple[float, float]:
         """The heights between which the fingers are that grip at a height."""
@@ -272,8 +301,23 @@ class Item:
             return max(0.0, height - below), min(self.size[2], height + above)
         return (max(0.0, height - hand.tip) if family == TOP else 0.0), self.size[2]
 
+    def _reach(self, hand: Hand, family: int, height: float) -> tuple[float, float]:
+        """Metres along the heading, behind and before the centre of a grasp at a height, between
+        which the pads are that close on the object."""
+        if family == TOP:
+            return hand.pad, hand.pad
+        if family == SLANT:
+            behind, before = _reach_aslant(hand)
+            # Pads that lean back are above it before they end.
+            return min(behind, 2 * SLOPE * hand.pad + self.size[2] - height), before
+        return hand.back, hand.tip
+
     @cached_property
     def _known_grips(self) -> dict[int, tuple[float, list[Floats]] | None]:
+        return {}
+
+    @cached_property
+    def _known_rims(self) -> dict[int, tuple[float, list[Floats]] | None]:
         return {}
 
     def _grasp_height(self, hand: Hand, family: int) -> float | None:
@@ -333,19 +377,16 @@ class Item:
         if grasp.family == TOP and self._by_its_rim(hand):
             return float(self._rim_holds(hand, np.array([grasp.heading])).width[0])
         gripped = self._gripped(hand, grasp.family)
-        if gripped is not None and abs(gripped[0] - grasp.height * UNIT) < UNIT:
+        height = grasp.height * UNIT
+        if gripped is not None and abs(gripped[0] - height) < UNIT:
             outlines = gripped[1]
         else:
-            outlines = self.section(*self._between(hand, grasp.family, grasp.height * UNIT))
+            outlines = self.section(*self._between(hand, grasp.family, height))
         if grasp.family == PINCH or not outlines:
             return self.size[2]
-        along = grasp.along * UNIT
-        back, ahead = (hand.pad, hand.pad) if grasp.family == TOP else (hand.back, hand.tip)
-        if grasp.family == SLANT:
-            back, ahead = _reach_aslant(hand)
-        slab = Slab(
-            outlines, np.array([grasp.heading]), np.array([along - back]), np.array([along + ahead])
-        )
+        behind, before = self._reach(hand, grasp.family, height)
+        along = np.array([grasp.along * UNIT])
+        slab = Slab(outlines, np.array([grasp.heading]), along - behind, along + before)
         return float(slab.width[0])
 
 

@@ -88,6 +88,12 @@ class Slab:
         return np.where(some, right, 0.0), np.where(some, left, 0.0)
 
     @property
+    def reach(self) -> tuple[Floats, Floats]:
+        """How far it reaches to the left and to the right of the heading (k,)."""
+        right, left = self._edges
+        return left, -right
+
+    @property
     def width(self) -> Floats:
         """How wide it is (k,)."""
         right, left = self._edges

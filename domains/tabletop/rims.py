@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from domains.tabletop.outlines import FRICTION, Slab
+from domains.tabletop.outlines import Slab
+from domains.tabletop.pads import across
 from runtime.world.body import Part
 from runtime.world.packed import reach_along
 from runtime.world.poses import Floats
@@ -49,7 +50,7 @@ def outermost(
     slabs = [Slab([outline], angles, low, high) for outline in outlines]
     width = np.array([slab.width for slab in slabs])
     middle = np.array([slab.middle for slab in slabs])
-    slip = np.array([slab.slip for slab in slabs])
+    held = np.array([across(slab) for slab in slabs])
     some = width > 0
     left = np.where(some, middle, -np.inf)
     chosen = left.argmax(axis=0)
@@ -59,6 +60,6 @@ def outermost(
     next_to = np.where(
         some & (np.arange(len(slabs))[:, None] != chosen), middle + width / 2, -np.inf
     ).max(axis=0)
-    fits = some.any(axis=0) & (slip[chosen, k] <= FRICTION * own_width)
+    fits = some.any(axis=0) & held[chosen, k]
     fits &= inner - next_to >= beside
     return own_width, own_middle, fits

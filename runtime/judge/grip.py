@@ -9,50 +9,29 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from runtime.judge.extents import along_y, homogeneous
 from runtime.judge.skeleton import LinkSolid, Skeleton
+from runtime.judge.squeeze import FRICTION, Lines, Placed, slip_fault
 from runtime.robot.model import RobotModel
 from runtime.world.body import Body
 from runtime.world.poses import Floats
-from runtime.world.solids import Solid
 
 STEP = 0.001
 """Metres between lines."""
 
+EDGE = 0.00002
+"""Metres from the edges of the fingers to the nearest lines."""
+
+BEYOND = 0.005
+"""Metres by which lines go beyond the edges of the fingers: how the faces go on that they touch."""
+
 SNUG = 0.002
 """Metres by which a closed finger may be away from the body, or within it."""
 
-CONTACT = 0.0003
-"""Metres within which what is nearest to a finger touches it: pads give a little."""
-
-FRICTION = 0.7
-"""Coefficient of friction between fingers and bodies, the one that is simulated with."""
-
 GRAVITY = 9.81
-
-
-@dataclass(frozen=True, eq=False)
-class _Side:
-    """What lines (k,) meet on one side: distance from the finger's face to the body, negative
-    where it is in the body; inf where the line misses one of them."""
-
-    x: Floats
-    z: Floats
-    gap: Floats
-
-    @property
-    def least(self) -> float:
-        return float(self.gap.min(initial=math.inf))
-
-    @property
-    def contact(self) -> Floats:
-        """Points (m, 2) where the body touches the finger."""
-        touching = self.gap <= self.least + CONTACT
-        return np.column_stack([self.x[touching], self.z[touching]])
 
 
 def grip_fault(
@@ -69,8 +48,7 @@ def grip_fault(
     if not len(x) or not np.isfinite(low).any():
         return f"{name} is not between the fingers when they close"
     face_left, face_right = _interval(left, x, z)[0], _interval(right, x, z)[1]
-    sides = [_Side(x, z, _gap(face_left, high)), _Side(x, z, _gap(low, face_right))]
-    gaps = [side.least for side in sides]
+    gaps = [float(_gap(face_left, high).min()), float(_gap(low, face_right).min())]
     if not np.isfinite(gaps).all():
         return f"{name} is not between the fingers when they close"
     wide, off = sum(gaps), abs(gaps[0] - gaps[1]) / 2
@@ -79,21 +57,12 @@ def grip_fault(
         return f"the closed fingers do not fit {name}: {1000 * abs(wide):.1f} mm {how}"
     if off > SNUG:
         return f"{name} is {1000 * off:.1f} mm off centre between the fingers"
-    return _slip_fault(sides, float(np.max(high - low)), name)
+    return slip_fault(Lines(*_lines(left, right, BEYOND), STEP), left, right, parts, name)
 
 
 def _gap(far: Floats, near: Floats) -> Floats:
     both = np.isfinite(far) & np.isfinite(near)
     return np.where(both, np.where(both, far, 0.0) - np.where(both, near, 0.0), np.inf)
-
-
-def _slip_fault(sides: Sequence[_Side], width: float, name: str) -> str | None:
-    """Both fingers push along y: where they touch must be opposite, as far as friction goes."""
-    a, b = (side.contact for side in sides)
-    nearest = min(float(np.hypot(*(b - point).T).min()) for point in a)
-    if nearest > FRICTION * width + STEP:
-        return f"{name} slips: the fingers touch it {1000 * nearest:.0f} mm beside each other"
-    return None
 
 
 def load_fault(robot: RobotModel, mass: float, centre: Floats, down: Floats) -> str | None:
@@ -112,7 +81,7 @@ def load_fault(robot: RobotModel, mass: float, centre: Floats, down: Floats) -> 
     return None
 
 
-def _fingers(skeleton: Skeleton, opening: float) -> list[tuple[Solid, Floats]]:
+def _fingers(skeleton: Skeleton, opening: float) -> list[Placed]:
     """The solids of the fingers and their poses (4, 4) in the tool frame."""
     robot = skeleton.robot
     links = skeleton.transforms(np.zeros((1, 3)), robot.home[None], opening)
@@ -122,9 +91,9 @@ def _fingers(skeleton: Skeleton, opening: float) -> list[tuple[Solid, Floats]]:
 
 
 def _lines(
-    left: Sequence[tuple[Solid, Floats]], right: Sequence[tuple[Solid, Floats]]
+    left: Sequence[Placed], right: Sequence[Placed], beyond: float = 0.0
 ) -> tuple[Floats, Floats]:
-    """x and z (k,) of lines that may meet fingers on both sides."""
+    """x and z (k,) of lines that may meet fingers on both sides, or pass them by so far."""
     boxes = [_around(side) for side in (left, right) if side]
     if len(boxes) < 2:
         return np.zeros(0), np.zeros(0)
@@ -132,15 +101,18 @@ def _lines(
     high = np.minimum(boxes[0][1], boxes[1][1])
     if np.any((high <= low)[[0, 2]]):
         return np.zeros(0), np.zeros(0)
-    rows = [
-        np.linspace(low[i], high[i], max(3, math.ceil((high[i] - low[i]) / STEP))) for i in (0, 2)
-    ]
-    # Not along the very edges, where rounding decides.
-    x, z = np.meshgrid(*(row[1:-1] for row in rows))
+    outside = STEP * np.arange(1, round(beyond / STEP) + 1)
+    rows = []
+    for i in (0, 2):
+        # Not along the very edges, where rounding decides.
+        count = max(3, math.ceil((high[i] - low[i]) / STEP))
+        inside = np.linspace(low[i] + EDGE, high[i] - EDGE, count)
+        rows.append(np.concatenate([low[i] - outside[::-1], inside, high[i] + outside]))
+    x, z = np.meshgrid(*rows)
     return x.ravel(), z.ravel()
 
 
-def _around(parts: Sequence[tuple[Solid, Floats]]) -> tuple[Floats, Floats]:
+def _around(parts: Sequence[Placed]) -> tuple[Floats, Floats]:
     reach = [np.abs(pose[:3, :3]) @ np.array(solid.half) for solid, pose in parts]
     places = [pose[:3, 3] for _, pose in parts]
     low = np.min([p - r for p, r in zip(places, reach, strict=True)], axis=0)
@@ -149,9 +121,9 @@ def _around(parts: Sequence[tuple[Solid, Floats]]) -> tuple[Floats, Floats]:
 
 
 def _between(
-    parts: Sequence[tuple[Solid, Floats]],
-    left: Sequence[tuple[Solid, Floats]],
-    right: Sequence[tuple[Solid, Floats]],
+    parts: Sequence[Placed],
+    left: Sequence[Placed],
+    right: Sequence[Placed],
     x: Floats,
     z: Floats,
 ) -> tuple[Floats, Floats]:
@@ -167,7 +139,7 @@ def _between(
     return low, high
 
 
-def _interval(parts: Sequence[tuple[Solid, Floats]], x: Floats, z: Floats) -> tuple[Floats, Floats]:
+def _interval(parts: Sequence[Placed], x: Floats, z: Floats) -> tuple[Floats, Floats]:
     """Where lines first enter and last leave some solids."""
     found = [along_y(solid, pose, x, z) for solid, pose in parts]
     return np.min([a for a, _ in found], axis=0), np.max([b for _, b in found], axis=0)

@@ -15,8 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from runtime.judge.footing import Poses, above, footings
-from runtime.judge.grip import FRICTION, GRAVITY
+from runtime.judge.grip import GRAVITY
 from runtime.judge.polygon import convex_hull, outside_by
+from runtime.judge.squeeze import FRICTION
 from runtime.robot.model import MobileBase
 from runtime.world.poses import Floats
 from runtime.world.world import World
