@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from domains.tabletop.state import PINCH, SIDE, SLANT, TOP
+from domains.tabletop.state import DOWN, END, PINCH, SIDE, SLANT, TOP
 from runtime.robot.approach import Family
 from runtime.robot.model import RobotModel
 from runtime.robot.open_hand import finger_boxes, room_between
@@ -30,7 +30,13 @@ LIFT = 0.03
 CLOSING = 6
 """Openings at which fingers that always open fully are looked at while they close."""
 
-FAMILY = {SIDE: Family.SIDE, TOP: Family.TOP, PINCH: Family.PINCH, SLANT: Family.SLANT}
+FAMILY = {
+    SIDE: Family.SIDE,
+    TOP: Family.TOP,
+    PINCH: Family.PINCH,
+    SLANT: Family.SLANT,
+    END: Family.TOP,
+}
 
 
 class Sweeps(dict[int, Floats]):
@@ -50,7 +56,8 @@ class Hand:
     """A parallel gripper and the arm behind it. Metres, newtons, newton metres.
 
     From the grasp centre, along the approach: the fingers end `tip` in front of it and the palm,
-    or what else is between them, is `back` behind it; `pad` is half the height of the fingers.
+    or what else is between them, is `back` behind it; `pad` is half the height of the fingers, and
+    `fingertip` that of what reaches furthest ahead of them.
     `sweeps[f]` are the volumes (v, 7) that an approach of family f sweeps, as `features.swept`
     takes them.
     """
@@ -59,6 +66,7 @@ class Hand:
     tip: float
     back: float
     pad: float
+    fingertip: float
     clearance: float
     max_opening: float
     max_weight: float
@@ -90,7 +98,7 @@ class Hand:
         if height < self._below(family):
             return None
         inner, outer, wrist = self.robot.workspace(FAMILY[family], height)
-        if family == TOP:
+        if family in DOWN:
             least, most, _ = self.robot.workspace(FAMILY[family], height + APPROACH + LIFT)
             inner, outer = max(inner, least), min(outer, most)
         return (wrist, inner, outer) if outer > inner else None
@@ -105,6 +113,7 @@ def hand_of(robot: RobotModel) -> Hand:
         tip=float(side.fingers[:, 1].max()),
         back=min(-float(side.hand[:, 1].max()), room_between(robot)),
         pad=float(side.fingers[:, 5].max()),
+        fingertip=float(side.fingers[side.fingers[:, 1].argmax(), 5]),
         clearance=gripper.clearance,
         max_opening=gripper.max_opening,
         max_weight=9.81 * (gripper.payload or math.inf),

@@ -17,7 +17,7 @@ from domains.tabletop.hand import Hand
 from domains.tabletop.outlines import Slab, around, room_within
 from domains.tabletop.pads import Polyhedron, across, firm
 from domains.tabletop.rims import PALM_AIR, outermost, rim_of
-from domains.tabletop.state import PINCH, SIDE, SLANT, SLOPE, TOP, UNIT, Grasp
+from domains.tabletop.state import DOWN, END, PINCH, SIDE, SLANT, SLOPE, TOP, UNIT, Grasp
 from domains.tabletop.steps import beside_steps
 from runtime.world.body import Body, Part
 from runtime.world.outline import vertices_and_edges
@@ -37,6 +37,12 @@ ASLANT_DEPTH = 0.01
 
 LEVEL = 1e-6
 """Metres by which what counts as upright or level may be off."""
+
+ASIDE = 0.01
+"""Metres from above its centre of mass that a thing is taken at its end, at least."""
+
+EVEN = 0.001
+"""Metres by which an end may be wider in one place than in another."""
 
 SIDE_LENGTH = 0.01
 """Metres of an edge of an outline that counts as a side."""
@@ -163,8 +169,8 @@ class Item:
     def holds(self, hand: Hand, family: int, angles: Floats) -> Hold | None:
         """How a hand takes the object at some headings (k,) in its standing frame; None where
         it cannot at all."""
-        if family == TOP and self._by_its_rim(hand):
-            return self._rim_holds(hand, angles)
+        if family in DOWN and self._by_its_rim(hand):
+            return self._rim_holds(hand, angles) if family == TOP else None
         gripped = self._gripped(hand, family)
         if gripped is None:
             return None
@@ -185,6 +191,13 @@ class Item:
             # A long thing is taken over its centre of mass, where it hangs level.
             along = self.centre[:2] @ ahead
             fits = np.full(len(angles), True)
+        elif family == END:
+            along = far - hand.fingertip
+            fits = along - self.centre[:2] @ ahead >= ASIDE
+            # As wide at the tip, where the sides are straight.
+            ends = [Slab(outlines, angles, start, far) for start in (along - behind, along)]
+            fits &= np.abs(ends[0].width - ends[1].width) <= EVEN
+            fits &= np.abs(ends[0].middle - ends[1].middle) <= EVEN
         elif family == SLANT:
             # The palm stays behind the upper edge on the near side.
             along = np.minimum(0.0, near + self._room_aslant(hand) - (self.size[2] - height))
@@ -299,13 +312,15 @@ class Item:
         if family == SLANT:
             above, below = _reach_aslant(hand)
             return max(0.0, height - below), min(self.size[2], height + above)
-        return (max(0.0, height - hand.tip) if family == TOP else 0.0), self.size[2]
+        return (max(0.0, height - hand.tip) if family in DOWN else 0.0), self.size[2]
 
     def _reach(self, hand: Hand, family: int, height: float) -> tuple[float, float]:
         """Metres along the heading, behind and before the centre of a grasp at a height, between
         which the pads are that close on the object."""
         if family == TOP:
             return hand.pad, hand.pad
+        if family == END:
+            return hand.fingertip, hand.fingertip
         if family == SLANT:
             behind, before = _reach_aslant(hand)
             # Pads that lean back are above it before they end.

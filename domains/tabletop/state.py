@@ -20,10 +20,14 @@ UNIT = 1e-5
 
 TURN = round(2 * math.pi / UNIT)
 
-SIDE, TOP, PINCH, SLANT = 0, 1, 2, 3
+SIDE, TOP, PINCH, SLANT, END = 0, 1, 2, 3, 4
 """Families of approaches. SIDE: the hand comes in horizontally, its fingers on the left and the
 right. TOP: it comes straight down. PINCH: horizontally, one finger above and one below. SLANT:
-halfway between SIDE and TOP, its fingers on the left and the right."""
+halfway between SIDE and TOP, its fingers on the left and the right. END: straight down as TOP, but
+on the end of a long thing that is ahead, in place of its middle."""
+
+DOWN = (TOP, END)
+"""Those that come straight down."""
 
 FAMILIES = ("side", "top", "pinch", "slant")
 
@@ -90,7 +94,7 @@ class Grasp(NamedTuple):
 
     `angle` is the quantised heading of the hand, `height` that of the grasp centre above the
     object's bottom; `along` and `aside` are where the centre is, along the heading and to its
-    left. `flipped` turns the hand over. For TOP, the heading is where the hand's upper side
+    left. `flipped` turns the hand over. For TOP and END, the heading is where the hand's upper side
     (SIDE: its tip) points.
     """
 
@@ -149,7 +153,7 @@ class Grasp(NamedTuple):
         turn = -1.0 if self.flipped else 1.0
         if self.family == SIDE:
             axes = [[c, -s * turn, 0.0], [s, c * turn, 0.0], [0.0, 0.0, turn]]
-        elif self.family == TOP:
+        elif self.family in DOWN:
             axes = [[0.0, -s * turn, c * turn], [0.0, c * turn, s * turn], [-1.0, 0.0, 0.0]]
         elif self.family == SLANT:
             k, up = SLOPE, SLOPE * turn

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from domains.tabletop import aslant, holds, solids
+from domains.tabletop import aslant, ends, holds, solids
 from domains.tabletop.faces import faces_of
 from domains.tabletop.features import swept
 from domains.tabletop.features.goals import LATTICE, GoalSites
@@ -37,7 +37,7 @@ from domains.tabletop.scene.model import (
     Scene,
     SceneObject,
 )
-from domains.tabletop.state import SLANT, BasePose, Grasp, Placement, State
+from domains.tabletop.state import END, SLANT, TOP, BasePose, Grasp, Placement, State
 from runtime.kernels import plane
 from runtime.kernels.convex import Obstacles, boxes_only, join
 from runtime.motion.roads import Roads
@@ -152,9 +152,16 @@ class TabletopWorld:
             memory=Memory() if known is None else known.memory.of_tables(OF_THE_HAND),
         )
         if known is None and scene.aslant:
-            more = replace(world, families=(*scene.families, SLANT), memory=Memory())
-            return more if aslant.is_wanted(world, more) else world
+            more = world.with_family(SLANT)
+            world = more if aslant.is_wanted(world, more) else world
+        if known is None and TOP in scene.families:
+            more = world.with_family(END)
+            world = more if ends.are_wanted(world, more) else world
         return world
+
+    def with_family(self, family: int) -> TabletopWorld:
+        """The same with one more family of approaches."""
+        return replace(self, families=(*self.families, family), memory=Memory())
 
     @cached_property
     def initial(self) -> State:

@@ -15,7 +15,7 @@ import numpy as np
 
 from domains.tabletop.hand import APPROACH, LIFT, Hand
 from domains.tabletop.items import Item
-from domains.tabletop.state import TOP, Grasp
+from domains.tabletop.state import DOWN, Grasp
 from runtime.kernels import ik
 from runtime.kernels.convex import Obstacles
 from runtime.motion.arm_context import CONTACT_MARGIN, ArmContext
@@ -91,7 +91,7 @@ def grip_on(grip: Grip, item: Item, grasp: Grasp) -> Grip:
 
 def _retreats(item: Item, grasp: Grasp) -> tuple[float, ...]:
     tall = item.size[2] + HEADROOM
-    return (tall, APPROACH) if grasp.family == TOP and tall > APPROACH else (APPROACH,)
+    return (tall, APPROACH) if grasp.family in DOWN and tall > APPROACH else (APPROACH,)
 
 
 def held_parts(item: Item, tool: Pose) -> tuple[Part, ...]:

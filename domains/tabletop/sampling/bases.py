@@ -10,7 +10,7 @@ import numpy as np
 
 from domains.tabletop.sampling.draw import BASES, Draw
 from domains.tabletop.sampling.stands import first_with_room, stand
-from domains.tabletop.state import TOP, BasePose, Grasp, Placement, State
+from domains.tabletop.state import DOWN, BasePose, Grasp, Placement, State
 from domains.tabletop.world import TabletopWorld
 from runtime.motion.roads import Roads
 from runtime.motion.room import Room, room_around
@@ -134,7 +134,7 @@ class BaseSampler:
         heading = at[3] + grasp.heading
         wrist = x - behind * math.cos(heading), y - behind * math.sin(heading)
         tries = NARROW_TRIES if narrow else TRIES
-        if grasp.family == TOP:
+        if grasp.family in DOWN:
             # The wrist is above: the arm may come from anywhere.
             bearings = rng.uniform(-math.pi, math.pi, tries)
         else:

@@ -22,7 +22,7 @@ from runtime.motion.room import Room, bare, whole
 from runtime.world.poses import Floats
 from sketchlang.analysis.words import listed
 
-FROM = ("from the side", "from above", "across its edge", "aslant")
+FROM = ("from the side", "from above", "across its edge", "aslant", "from above at its end")
 """The families of approaches in words."""
 
 NAMED = 3
