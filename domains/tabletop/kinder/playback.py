@@ -14,7 +14,8 @@ import numpy as np
 from domains.tabletop.kinder.observed import Observation
 from domains.tabletop.kinder.problem import Problem
 from domains.tabletop.kinder.process import KinderProcess
-from domains.tabletop.kinder.way import Stretch, furthest, stopped_above, stretches
+from domains.tabletop.kinder.slim import away_from
+from domains.tabletop.kinder.way import Stretch, furthest, gone_aside, stopped_above, stretches
 from domains.tabletop.scene.furniture import AIR
 from runtime.motion.motion import GripperMove
 from runtime.plan.model import Plan
@@ -54,7 +55,8 @@ class Playback:
 @dataclass(eq=False)
 class Player:
     """Plays plans of a problem back. `off` is how much higher each body is than the plan has it,
-    and `poses` its rotation (3, 3) there."""
+    and `poses` its rotation (3, 3) there; `aside` is how far aside (x, y) what was taken last is to
+    be lifted."""
 
     kinder: KinderProcess
     robot: RobotModel
@@ -63,6 +65,7 @@ class Player:
     problem: Problem
     off: dict[str, float] = field(default_factory=dict)
     poses: dict[str, Floats] = field(default_factory=dict)
+    aside: tuple[float, float] = (0.0, 0.0)
     steps: int = 0
     refused: int = 0
 
@@ -90,6 +93,9 @@ class Player:
 
     def _stretch(self, stretch: Stretch) -> None:
         way, grip = stretch.way, stretch.end
+        if any(self.aside):
+            heights = np.array([self.robot.tool_pose(q)[2, 3] for q in way[:, 3:]])
+            way, self.aside = gone_aside(way, heights, self.aside), (0.0, 0.0)
         if grip is not None and grip.release is not None:
             heights = np.array([self.robot.tool_pose(q)[2, 3] for q in way[:, 3:]])
             way = stopped_above(way, heights, self._above(grip))
@@ -99,6 +105,9 @@ class Player:
         self._step(np.concatenate([self.seen.base, self.seen.joints]), self._number(grip))
         if grip.attach is not None and not self.seen.things[grip.attach.body].held:
             raise RefusedError(f"{stretch.action}: it is not grasped")
+        if grip.attach is not None:
+            things = self.seen.things
+            self.aside = away_from(things[grip.attach.body], things.values())
         if grip.release is not None and self.seen.grasping:
             raise RefusedError(f"{stretch.action}: it is not let go")
 

@@ -19,6 +19,9 @@ from runtime.world.poses import Floats
 DENSE = 0.02
 """Metres or radians between the points of a way, at most, in any coordinate."""
 
+RISE = 0.03
+"""Metres of a way up from something that are gone aside of what touches it."""
+
 STRAIGHT = 0.01
 """Metres or radians by which the way may bend aside of a step, in any coordinate."""
 
@@ -112,3 +115,12 @@ def stopped_above(way: Floats, heights: Floats, above: float) -> Floats:
         return way
     share = (heights[k - 1] - low - above) / (heights[k - 1] - heights[k])
     return np.vstack([way[:k], way[k - 1] + min(1.0, max(0.0, share)) * (way[k] - way[k - 1])])
+
+
+def gone_aside(way: Floats, heights: Floats, aside: tuple[float, float]) -> Floats:
+    """A way (k, 10) that begins going up, its low part so far aside (x, y), to which it goes first.
+    `heights` (k,) are those of the hand."""
+    low = int((heights > heights[0] + RISE).argmax()) or len(way)
+    moved = way[:low].copy()
+    moved[:, :2] += aside
+    return np.vstack([way[:1], moved, way[low:]])

@@ -12,7 +12,16 @@ from hypothesis import strategies as st
 from domains.tabletop.kinder.observed import Observation, Thing
 from domains.tabletop.kinder.playback import GAP, Player
 from domains.tabletop.kinder.problem import Problem
-from domains.tabletop.kinder.way import DENSE, dense, furthest, stopped_above, stretches
+from domains.tabletop.kinder.slim import NEAR, away_from, gap_between
+from domains.tabletop.kinder.way import (
+    DENSE,
+    RISE,
+    dense,
+    furthest,
+    gone_aside,
+    stopped_above,
+    stretches,
+)
 from domains.tabletop.scene.furniture import AIR
 from runtime.motion.motion import ArmMove, Attach, BaseMove, GripperMove, Release
 from runtime.plan.model import Plan, PlanAction, TimedPiece
@@ -23,6 +32,8 @@ from runtime.world.solids import Box
 from runtime.world.world import Movable, World
 
 LIMIT = 0.2
+FEATURES = [f"pose_{axis}" for axis in ("x", "y", "z", "qx", "qy", "qz")]
+FEATURES += [f"half_extent_{axis}" for axis in "xyz"]
 ROWS = st.lists(
     st.lists(st.floats(-3, 3), min_size=10, max_size=10).map(np.array), min_size=2, max_size=5
 )
@@ -45,15 +56,16 @@ class FakeKinder:
     def __init__(self, wall=lambda q: False, goal=lambda self: False) -> None:
         self.q, self.z, self.held, self.off = np.zeros(10), 0.05, False, 0.0
         self.wall, self.goal = wall, goal
+        self.beside: Thing | None = None
         self.actions: list[np.ndarray] = []
 
     @property
     def seen(self) -> Observation:
         base = self.q[:3].copy()
         base[2] = (base[2] + math.pi) % (2 * math.pi) - math.pi  # headings are wrapped there
-        features = {"pose_z": self.z, "half_extent_x": 0.0, "half_extent_y": 0.0}
+        features = dict.fromkeys(FEATURES, 0.0) | {"pose_z": self.z}
         thing = Thing("cube", "c", {**features, "half_extent_z": 0.05, "grasp_active": self.held})
-        things = {"cube": thing}
+        things = {"cube": thing} | ({"beside": self.beside} if self.beside else {})
         return Observation(base, self.q[3:].copy(), 0.0, self.held, things, self.goal(self), LIMIT)
 
     def step(self, action) -> Observation:
@@ -100,6 +112,65 @@ def arm(*heights: float) -> ArmMove:
 def release(z: float) -> GripperMove:
     pose = pose_of(upright(0.0, 0.0, z, 0.0))
     return GripperMove(0.1, release=Release("cube", "table", pose))
+
+
+def block(name: str, x: float, y: float, **more: float) -> Thing:
+    """A cube of 4 cm."""
+    at = dict.fromkeys(FEATURES, 0.0) | dict.fromkeys(FEATURES[-3:], 0.02)
+    return Thing(name, "c", at | {"pose_x": x, "pose_y": y, "pose_z": 0.02} | more)
+
+
+@pytest.mark.parametrize(
+    ("others", "aside"),
+    [
+        ([(0.0401, 0.0)], (NEAR - 0.0001, 0.0)),
+        ([(0.043, 0.0)], (0.0, 0.0)),
+        ([(0.01, -0.041)], (0.0, NEAR - 0.001)),
+        ([(0.041, 0.0), (-0.041, 0.0)], (0.0, 0.0)),
+        ([(-0.041, 0.0), (-0.042, 0.01), (0.0, 0.04)], (NEAR - 0.001, -NEAR)),
+    ],
+)
+def test_what_nearly_touches_is_gone_aside_of(others, aside) -> None:
+    thing = block("a", 0.0, 0.0)
+    around = [block(f"b{i}", x, y) for i, (x, y) in enumerate(others)]
+    found = away_from(thing, [*around, thing, Thing("triangle", "t", block("", 0, 0).features)])
+    assert np.abs(found) == pytest.approx(np.abs(aside))
+    for (x, y), before in zip(others, around, strict=True):
+        moved = block("a", *found)
+        if any(aside):
+            assert gap_between(moved, before) == pytest.approx(
+                max(abs(x), abs(y)) - 0.04 + abs(found[int(abs(y) > abs(x))]), abs=1e-9
+            )
+    turned = [block(f"b{i}", x, y, pose_qz=0.1) for i, (x, y) in enumerate(others)]
+    assert away_from(thing, turned) == (0.0, 0.0)
+
+
+@given(ROWS, st.floats(-0.01, 0.01))
+def test_only_the_low_part_of_a_way_is_gone_aside(rows, y) -> None:
+    way = np.array(rows)
+    heights = np.linspace(0.0, 2.5 * RISE, len(way))
+    found = gone_aside(way, heights, (0.002, y))
+    assert np.array_equal(found[0], way[0])
+    low = int((heights <= RISE).sum())
+    assert len(found) == len(way) + 1
+    assert np.array_equal(found[1 + low :], way[low:])
+    difference = found[1 : 1 + low] - way[:low]
+    assert np.allclose(difference, [0.002, y, *np.zeros(8)], atol=1e-12)
+
+
+def test_a_thing_that_touches_another_is_lifted_aside_of_it() -> None:
+    """A wall on its left: straight up it does not come past."""
+
+    def tight(q) -> bool:
+        return bool(q[3] > 1e-6 and q[3] < 0.1 and q[0] > -0.001)
+
+    fake = FakeKinder(wall=tight)
+    fake.beside = block("wall", 0.0401, 0.0, half_extent_x=0.04, pose_z=0.05)
+    pieces = [GripperMove(0.1, Attach("cube", None)), arm(0.0, 0.3)]
+    played = player(fake).play(world(), plan_of(*pieces))
+    assert played.reason == "the plan was carried out, and the goal was not reached"
+    assert fake.q[3] == pytest.approx(0.3)
+    assert np.abs(fake.q[:3]).max() < 1e-6
 
 
 def test_things_are_let_go_a_little_above_what_they_are_put_on() -> None:
