@@ -162,11 +162,13 @@ def test_a_thing_that_touches_another_is_lifted_aside_of_it() -> None:
     """A wall on its left: straight up it does not come past."""
 
     def tight(q) -> bool:
-        return bool(q[3] > 1e-6 and q[3] < 0.1 and q[0] > -0.001)
+        return bool(1e-6 < q[3] < 0.03 and q[0] > -0.001)
 
     fake = FakeKinder(wall=tight)
     fake.beside = block("wall", 0.0401, 0.0, half_extent_x=0.04, pose_z=0.05)
-    pieces = [GripperMove(0.1, Attach("cube", None)), arm(0.0, 0.3)]
+    rows = np.zeros((3, 7))
+    rows[:, :2] = (0.0, 0.0), (0.02, 0.1), (0.3, 0.1)  # a corner: no step leads past it
+    pieces = [GripperMove(0.1, Attach("cube", None)), ArmMove(rows, "lift")]
     played = player(fake).play(world(), plan_of(*pieces))
     assert played.reason == "the plan was carried out, and the goal was not reached"
     assert fake.q[3] == pytest.approx(0.3)
