@@ -69,7 +69,7 @@ class Grip:
         """The same where the object is over a peg: a hand that draws back upwards draws it off
         that, another one lifts it off before."""
         least = peg.height + HEADROOM
-        if family != TOP:
+        if family not in DOWN:
             return replace(self, lift=max(self.lift, least))
         lengths = (max(length, least - self.lift) for length in self.retreats)
         return replace(self, retreats=tuple(dict.fromkeys(lengths)))
