@@ -78,6 +78,7 @@ def _warm_up_rare(world: TabletopWorld, rng: np.random.Generator) -> None:
     arm.body_collides(body, placed, boxes_only(world.statics), 0.01)
     within_reach(world.statics, 0.0, 0.0, 1.0)
     world.roads.lane((0.62, 0.0, 0.0))
+    world.roads.graph.route((0.0, 0.0), (3.0, 0.0))  # around a table
     world.room.contains(0.0, 0.0)
     stand((0.5, 0.1), (0.6, 0.1), (0.0, 0.0), 0.1, 0.2, 0.3)
     context = ArmContext(robot, body, world.statics)

@@ -18,6 +18,7 @@ import numpy as np
 from runtime.angles import wrap
 from runtime.kernels import arm, plane
 from runtime.kernels.convex import CYLINDER, HULL
+from runtime.kernels.ways import shortest_way
 from runtime.robot.model import Body, Floats, RobotModel
 
 MARGIN = 0.01
@@ -96,23 +97,13 @@ def outline(body: Body, part: int) -> tuple[Floats, float]:
 
 
 class BaseRoads:
-    """Shortest drives among fixed obstacles; built once for a set of boxes and clearances."""
+    """Shortest drives among fixed obstacles; way points are made once for a set of boxes and
+    clearances."""
 
     def __init__(self, boxes: Floats, clearance: Floats) -> None:
         self.boxes = boxes
         self.clearance = clearance
         self.nodes = self._corners()
-        k = len(self.nodes)
-        self.distance = np.empty((k, k))
-        for i, (x, y) in enumerate(self.nodes):
-            self.distance[i] = plane.visible(boxes, clearance, x, y, self.nodes)
-        # Floyd-Warshall with the first step of every shortest way.
-        self.first = np.tile(np.arange(k), (k, 1))
-        for via in range(k):
-            through = self.distance[:, via, None] + self.distance[None, via, :]
-            better = through < self.distance - 1e-12
-            self.distance = np.where(better, through, self.distance)
-            self.first = np.where(better, self.first[:, via, None], self.first)
 
     def _corners(self) -> Floats:
         found = []
@@ -141,20 +132,9 @@ class BaseRoads:
             return None
         if plane.segment_is_clear(self.boxes, self.clearance, *start, *goal):
             return np.array([start, goal])
-        if not len(self.nodes):
-            return None
-        leave = plane.visible(self.boxes, self.clearance, *start, self.nodes)
-        arrive = plane.visible(self.boxes, self.clearance, *goal, self.nodes)
-        total = leave[:, None] + self.distance + arrive[None, :]
-        i, j = np.unravel_index(int(np.argmin(total)), total.shape)
-        if not np.isfinite(total[i, j]):
-            return None
-        points = [start, tuple(self.nodes[i])]
-        while i != j:
-            i = self.first[i, j]
-            points.append(tuple(self.nodes[i]))
-        points.append(goal)
-        return np.array(points)
+        points = np.vstack([self.nodes, start, goal])
+        way = shortest_way(self.boxes, self.clearance, points)
+        return points[way] if len(way) else None
 
 
 def drive(route: Floats, start_yaw: float, goal_yaw: float) -> Floats:

@@ -79,17 +79,6 @@ def test_clear_means_every_clearance_is_kept(rng) -> None:
             assert plane.segment_is_clear(boxes, clearance, *ends.ravel()) == (slack > 0)
 
 
-def test_visible_nodes_have_their_distance_and_others_infinity(rng) -> None:
-    boxes = random_uprights(rng, 5, 0.6)
-    clearance = np.full(5, 0.05)
-    nodes = rng.uniform(-1, 1, (40, 2))
-    found = plane.visible(boxes, clearance, 0.9, 0.9, nodes)
-    assert np.isinf(found).any()
-    for node, distance in zip(nodes, found, strict=True):
-        clear = plane.segment_is_clear(boxes, clearance, 0.9, 0.9, *node)
-        assert distance == (pytest.approx(math.dist((0.9, 0.9), node)) if clear else math.inf)
-
-
 def test_a_room_is_what_hangs_together_with_its_start(rng) -> None:
     boxes = random_uprights(rng, 6, 1.0)
     clearance = np.full(6, 0.2)
