@@ -23,7 +23,7 @@ from runtime.bench.paper import SCENES
 from runtime.plan.model import Plan
 from runtime.robot.load import DEFAULT_ROBOT, load_robot
 from runtime.search.limits import Limits
-from runtime.search.siw_r import lazy_siiw_r
+from runtime.search.retreat import lazy_siiw_r
 from runtime.trace.model import Trace
 from runtime.trace.sketch import load_trace_sketch
 from sketchlang.compile import compile_sketch

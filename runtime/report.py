@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections import Counter
 from typing import Any
 
-from runtime.solve import Result
+from runtime.search.guide import Subgoal
+from runtime.search.siw_r import Retreat
+from runtime.solve import Result, Task
 from sketchlang.analysis.words import counted
 from sketchlang.version import __version__
 
@@ -26,6 +28,7 @@ def make_report(result: Result) -> dict[str, Any]:
         "expanded": outcome.effort.expanded,
         "generated": outcome.effort.generated,
         "subplans": len(outcome.subgoals),
+        "retreats": len(outcome.retreats),
         "actions": sum(len(subgoal.actions) for subgoal in outcome.subgoals),
         "motion_plans": profile.get("motion_plan", {}).get("successes", 0),
         "rules_fired": dict(Counter(subgoal.rule for subgoal in outcome.subgoals)),
@@ -50,6 +53,14 @@ def make_report(result: Result) -> dict[str, Any]:
             if large is not None and max(outcome.stuck, default=0) >= large[0]:
                 report["large"] = {"value": large[0], "stands_for": large[1]}
     return report
+
+
+def step_in_words(task: Task, step: Subgoal | Retreat) -> str:
+    """What a run did last: a subgoal that it found, or how far it went back."""
+    if isinstance(step, Subgoal):
+        return f"{step.rule:<14} {task.reporting.describe(step.actions)}"
+    back = f"to after {counted(step.back, 'subgoal')}" if step.back else "to the start"
+    return f"stuck after {counted(step.stuck, 'subgoal')}: back {back}, with new samples"
 
 
 def summary(report: dict[str, Any]) -> list[str]:

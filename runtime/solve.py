@@ -53,7 +53,7 @@ def solve(
         return PLANNERS[planner](sketch, problem, limits, rng, progress)
 
 
-HASTY = Limits(k_max=1, rejections=200, generated=8_000, blind=4_000)
+HASTY = Limits(k_max=1, rejections=200, generated=8_000, blind=4_000, retreats=0)
 """Limits for the small problems by which reasons are tested."""
 
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from runtime.search.siw_r import Planner, eager, lazy, lazy_siiw_r, siw_r
+from runtime.search.retreat import Planner, lazy_siiw_r, siw_r
+from runtime.search.siw_r import eager, lazy
 from runtime.search.whole import bfws_whole, brfs_whole, iw_whole
 
 PLANNERS: dict[str, Planner] = {

@@ -2,7 +2,7 @@
 
 From a state s, IW looks for a closest state s' such that the pair (s, s') satisfies a rule,
 or for a goal state; then s := s', until the goal. A subproblem that fails is sampled anew,
-more densely; there is no backtracking across subproblems.
+more densely. What becomes of a run that gets stuck is in `retreat.py`.
 
 Lazy-SIIW_R is the same loop around an IW that validates actions lazily.
 """
@@ -13,7 +13,6 @@ from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from enum import Enum
-from functools import partial
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
@@ -45,7 +44,7 @@ class Outcome:
     `rejections` what X refused in the last subproblem; `returned_to` is set where the state was
     that after so many subgoals again: the sketch runs in a circle. `last` is the guide with what
     it knows of the last subproblem, and the samples of each attempt at it; `why` are findings
-    about what is in the way of what."""
+    about what is in the way of what. `retreats` are those of the run on its way there."""
 
     solved: bool = False
     subgoals: list[Subgoal] = field(default_factory=list)
@@ -59,9 +58,19 @@ class Outcome:
     end: End | None = None
     last: tuple[Guide, tuple[Subproblem, ...]] | None = field(default=None, repr=False)
     why: list[dict[str, Any]] = field(default_factory=list)
+    retreats: list[Retreat] = field(default_factory=list)
 
 
-Progress = Callable[[Subgoal, float], None]
+@dataclass(frozen=True)
+class Retreat:
+    """A run got `stuck` after so many subgoals, and went `back` to where it had so many."""
+
+    stuck: int
+    back: int
+
+
+Progress = Callable[["Subgoal | Retreat", float], None]
+"""Is told of each subgoal that was found, and of each retreat, with the seconds from the start."""
 
 
 Step = tuple[Action, Motion, State]
@@ -126,24 +135,6 @@ def schedule(limits: Limits, guided: bool) -> Iterator[tuple[int, int]]:
         yield limits.attempts // 2, k
 
 
-def serialize(
-    search: Search,
-    sketch: CompiledSketch,
-    problem: SearchProblem,
-    limits: Limits,
-    rng: np.random.Generator,
-    progress: Progress | None = None,
-    turns: Turns = schedule,
-) -> Outcome:
-    """Solve a problem subgoal by subgoal. All randomness comes from `rng`."""
-    outcome = Outcome(state=problem.initial)
-    for subgoal in subgoals(search, sketch, problem, limits, rng, outcome, turns):
-        if progress is not None:
-            progress(subgoal, limits.elapsed())
-    outcome.seconds = limits.elapsed()
-    return outcome
-
-
 def subgoals(
     search: Search,
     sketch: CompiledSketch,
@@ -152,11 +143,15 @@ def subgoals(
     rng: np.random.Generator,
     outcome: Outcome,
     turns: Turns = schedule,
+    hasty: int = 0,
 ) -> Iterator[Subgoal]:
-    """The subgoals on the way to the goal, each searched for when it is asked for. `outcome`, a
-    fresh one, tells what has been reached, and at the end why it ended there."""
+    """The subgoals on the way to the goal, each searched for when it is asked for. `outcome`, one
+    that has not ended, tells what has been reached, and at the end why it ended there. There is
+    less patience with the subproblems after fewer than `hasty` subgoals."""
     guide = Guide(sketch)
-    been: dict[State, int] = {outcome.state: 0}
+    been: dict[State, int] = {problem.initial: 0}
+    for number, subgoal in enumerate(outcome.subgoals, start=1):
+        been.setdefault(subgoal.states[-1], number)
     tried: list[Subproblem] = []
     try:
         while True:
@@ -165,18 +160,19 @@ def subgoals(
                 outcome.solved = True
                 break
             outcome.rejections, tried = [], []
-            subgoal = find_subgoal(
-                search, guide, problem, outcome.state, limits, rng, outcome.effort,
+            patience = limits.hasty() if len(outcome.subgoals) < hasty else limits
+            found = find_subgoal(
+                search, guide, problem, outcome.state, patience, rng, outcome.effort,
                 outcome.rejections, tried, turns,
             )  # fmt: skip
-            if subgoal is None:
+            if found is None:
                 outcome.stuck = values
                 outcome.end, outcome.reason = _why(guide, values)
                 break
-            outcome.subgoals.append(subgoal)
-            outcome.state = subgoal.states[-1]
+            outcome.subgoals.append(found)
+            outcome.state = found.states[-1]
             guide.forget()
-            yield subgoal
+            yield found
             before = been.setdefault(outcome.state, len(outcome.subgoals))
             if before < len(outcome.subgoals):
                 outcome.stuck, outcome.returned_to = guide.values(outcome.state), before
@@ -272,20 +268,3 @@ def _loop(outcome: Outcome, before: int) -> str:
     rules = list(dict.fromkeys(subgoal.rule for subgoal in outcome.subgoals[before:]))
     where = f"after subgoal {before}" if before else "at the start"
     return f"the state {where} came again: {' and '.join(rules)} run in a circle"
-
-
-class Planner(Protocol):
-    """A way to solve problems, subgoal by subgoal."""
-
-    def __call__(
-        self,
-        sketch: CompiledSketch,
-        problem: SearchProblem,
-        limits: Limits,
-        rng: np.random.Generator,
-        progress: Progress | None = None,
-    ) -> Outcome: ...
-
-
-siw_r: Planner = partial(serialize, eager)
-lazy_siiw_r: Planner = partial(serialize, lazy)

@@ -22,16 +22,15 @@ from runtime.search.brfs import brfs
 from runtime.search.limits import Limits
 from runtime.search.problem import SearchProblem, State, Subproblem
 from runtime.search.query import Query
+from runtime.search.retreat import Planner, serialize
 from runtime.search.siw_r import (
     Outcome,
-    Planner,
     Progress,
     Search,
     Step,
     Turns,
     eager,
     schedule,
-    serialize,
     steps_to,
 )
 from sketchlang.compile import CompiledSketch

@@ -148,7 +148,7 @@ def _run(
     as_json: bool,
     improvement: Improvement,
 ) -> dict[str, Any]:
-    from runtime.report import make_report, summary
+    from runtime.report import make_report, step_in_words, summary
     from runtime.search.limits import Limits
     from runtime.search.planners import DEFAULT
     from runtime.solve import open_task
@@ -164,9 +164,7 @@ def _run(
     result = task.solve(
         Limits(timeout=timeout, k_max=k_max),
         planner,
-        progress=lambda subgoal, seconds: progress(
-            f"{seconds:8.2f} s  {subgoal.rule:<14} {task.reporting.describe(subgoal.actions)}"
-        ),
+        progress=lambda step, seconds: progress(f"{seconds:8.2f} s  {step_in_words(task, step)}"),
         improve=improvement,
         told=lambda tried, seconds: progress(
             f"{improvement.seconds_taken:8.2f} s  {seconds:.1f} s to execute, after {tried} changes"

@@ -1,0 +1,207 @@
+"""Runs that get stuck go back some subgoals; what is hopeless is not tried over and over."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from functools import cache
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from runtime.search.guide import Subgoal
+from runtime.search.limits import HASTE, Limits
+from runtime.search.planners import PLANNERS, SEARCHES
+from runtime.search.problem import Rejection
+from runtime.search.siw_r import End, Outcome, Progress, Retreat
+from sketchlang.compile import CompiledSketch, compile_sketch
+from sketchlang.domain import Domain, Nat
+from sketchlang.loader import load_text
+from sketchlang.source import Source
+
+ROOMS = 12
+KEYS = 3
+"""Keys that may lie in a room; one of each row of samples is found."""
+
+State = tuple[int, ...]
+"""The keys that were taken, one in each room that was left behind."""
+
+BOTH = pytest.mark.parametrize("planner", sorted(SEARCHES))
+
+
+@cache
+def sketch() -> CompiledSketch:
+    """One room nearer to the end with each subgoal."""
+    domain = Domain("rooms")
+
+    @domain.function
+    def rooms_left(state) -> Nat:
+        return ROOMS - len(state)
+
+    @domain.atom
+    def taken(state) -> Iterator[State]:
+        yield state
+
+    text = (
+        "sketch rooms\nuse rooms\nfeature n : nat = rooms_left()\natoms taken\n"
+        "goal { n = 0 }\nrule go { n > 0 } -> { n-- }\n"
+    )
+    loaded = load_text(Source("rooms.sketch", text), {"rooms": domain})
+    assert loaded.ok, loaded.diagnostics
+    return compile_sketch(loaded.checked)
+
+
+@dataclass
+class Corridor:
+    """Rooms in a row. The door of some rooms opens only to those who took a certain key in an
+    earlier one: `locks` has that room and the key. Each attempt sees some keys of a room, or all
+    of them where `seen` is None."""
+
+    locks: dict[int, tuple[int, int]]
+    keys: int = KEYS
+    seen: int | None = 1
+    asked: list[State] = field(default_factory=list)
+    initial: State = ()
+
+    def subproblem(self, state: State, attempt: int, rng: np.random.Generator) -> Room:
+        if self.seen is None:
+            return Room(self, state, list(range(self.keys)))
+        return Sampled(self, state, rng.permutation(self.keys)[: self.seen].tolist())
+
+
+@dataclass
+class Room:
+    corridor: Corridor
+    start: State
+    keys: list[int]
+
+    def actions(self, state: State) -> list[tuple[int, State]]:
+        return [(key, (*state, key)) for key in self.keys] if state == self.start else []
+
+    def execute(self, state: State, action: int) -> str | Rejection:
+        self.corridor.asked.append(state)
+        lock = self.corridor.locks.get(len(state))
+        if lock is None or state[lock[0] : lock[0] + 1] == (lock[1],):
+            return "walk"
+        return Rejection("locked")
+
+
+class Sampled(Room):
+    sampled = True
+
+
+def run(
+    corridor: Corridor,
+    planner: str,
+    limits: Limits | None = None,
+    seed: int = 0,
+    progress: Progress | None = None,
+) -> Outcome:
+    rng = np.random.default_rng(seed)
+    return PLANNERS[planner](sketch(), corridor, limits or Limits(), rng, progress)
+
+
+def rooms_of(outcome: Outcome) -> list[State]:
+    return [state for subgoal in outcome.subgoals for state in subgoal.states]
+
+
+@BOTH
+@given(lock=st.integers(1, ROOMS - 1), behind=st.integers(1, 3), seed=st.integers(0, 50))
+def test_a_run_that_took_the_wrong_thing_goes_back_for_another(planner, lock, behind, seed) -> None:
+    locks = {lock: (max(0, lock - behind), 0)}
+    once = run(Corridor(locks), planner, Limits(retreats=0), seed)
+    outcome = run(Corridor(locks), planner, Limits(retreats=30), seed)
+    if once.solved:
+        assert outcome.subgoals == once.subgoals
+        assert not outcome.retreats
+        return
+    if outcome.solved:
+        rooms = rooms_of(outcome)
+        assert [len(state) for state in rooms] == list(range(1, ROOMS + 1))
+        assert all(rooms[-1][: len(state)] == state for state in rooms)
+        assert rooms[-1][locks[lock][0]] == 0
+    # One, 2, 4, ... subgoals, until the key, or all the way.
+    steps = [retreat.stuck - retreat.back for retreat in outcome.retreats]
+    assert steps == [min(2**i, lock) for i in range(len(steps))]
+    assert outcome.solved or outcome.retreats[-1].back == 0
+
+
+@BOTH
+def test_most_wrong_turns_are_mended_and_the_same_seed_mends_them_alike(planner) -> None:
+    locks, seeds = {4: (3, 0), 9: (7, 0)}, range(40)
+    once = [run(Corridor(locks), planner, Limits(retreats=0), seed) for seed in seeds]
+    found = [run(Corridor(locks), planner, None, seed) for seed in seeds]
+    again = [run(Corridor(locks), planner, None, seed) for seed in seeds]
+    # A third of the keys is the right one, and two have to be.
+    assert sum(one.solved for one in once) < 12
+    assert sum(one.solved for one in found) > 18
+    assert [one.subgoals for one in found] == [one.subgoals for one in again]
+
+
+@BOTH
+def test_what_is_hopeless_ends_soon_and_as_it_did_without_going_back(planner) -> None:
+    nobody = {8: (7, -1)}
+    alone, corridor = (Corridor(nobody, keys=400, seen=300) for _ in range(2))
+    once = run(alone, planner, Limits(retreats=0))
+    outcome = run(corridor, planner)
+    assert outcome.end is End.NO_SUBGOAL
+    for name in ("end", "reason", "stuck", "state", "subgoals", "rejections"):
+        assert getattr(outcome, name) == getattr(once, name)
+    assert 0 < len(outcome.retreats) <= Limits().retreats
+    assert outcome.retreats[-1].back == 0
+    refused = [sum(len(state) == 8 for state in one.asked) for one in (alone, corridor)]
+    most = Limits().rejections
+    assert refused == [most, most + len(outcome.retreats) * most // HASTE]
+
+
+@BOTH
+def test_nobody_goes_back_where_samples_are_not_at_fault(planner) -> None:
+    """All actions were known, or there is nothing to go back to."""
+    known, first = Corridor({8: (7, -1)}, seen=None), Corridor({0: (0, -1)})
+    for corridor in (known, first):
+        outcome = run(corridor, planner)
+        assert outcome.end is End.NO_SUBGOAL
+        assert not outcome.retreats
+
+
+@BOTH
+def test_time_that_ends_while_going_back_leaves_the_reason_as_it_was(planner) -> None:
+    corridor = Corridor({8: (7, -1)})
+    limits = Limits(timeout=1e6)
+
+    def over(step: Subgoal | Retreat, seconds: float) -> None:
+        if isinstance(step, Retreat):
+            limits.start -= 2e6
+
+    outcome = run(corridor, planner, limits, progress=over)
+    assert outcome.end is End.NO_SUBGOAL
+    assert len(outcome.retreats) == 1
+
+
+@BOTH
+def test_each_step_is_told(planner) -> None:
+    told: list[Subgoal | Retreat] = []
+    outcome = run(
+        Corridor({5: (3, 0)}),
+        planner,
+        seed=unlucky(planner),
+        progress=lambda step, _: told.append(step),
+    )
+    assert [step for step in told if isinstance(step, Retreat)] == outcome.retreats != []
+    reached: list[Subgoal] = []
+    for step in told:
+        if isinstance(step, Retreat):
+            assert len(reached) == step.stuck
+            reached = reached[: step.back]
+        else:
+            reached.append(step)
+    assert outcome.solved
+    assert reached == outcome.subgoals
+
+
+def unlucky(planner: str) -> int:
+    """A seed with which a run has to go back, and comes through then."""
+    runs = ((seed, run(Corridor({5: (3, 0)}), planner, None, seed)) for seed in range(100))
+    return next(seed for seed, one in runs if one.retreats and one.solved)
