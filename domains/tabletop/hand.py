@@ -12,7 +12,7 @@ from domains.tabletop.state import DOWN, END, PINCH, SIDE, SLANT, TOP
 from runtime.robot.approach import Family
 from runtime.robot.model import RobotModel
 from runtime.robot.open_hand import finger_boxes, room_between
-from runtime.robot.sweeps import drawn_out
+from runtime.robot.sweeps import TRAVEL, drawn_out
 from runtime.world.poses import Floats
 
 PLAY = 0.003
@@ -21,7 +21,7 @@ PLAY = 0.003
 SIDEWAYS = 0.02
 """Metres added on both sides of hand and arm: where less is left, few postures come through."""
 
-APPROACH = 0.10
+APPROACH = TRAVEL
 """Metres of the straight line in; the fingers are clear of the object behind it."""
 
 LIFT = 0.03

@@ -58,12 +58,12 @@ def explain(
         outcome.why = [first, *domain]
         outcome.reason = first["text"]
         return
-    searched = _searched(outcome, model, describe, k, used, offered or {}, helps)
-    cures = [f for f in searched if f.get("tested")]
+    searched, nearer = _searched(outcome, model, describe, k, used, offered or {}, helps)
+    cures = [f for f in searched + nearer if f.get("tested")]
     searched = [f for f in searched if not f.get("tested")]
-    short = [f for f in searched if f["cause"] == "effect" and f.pop("short", False)]
+    short = [f for f in nearer if not f.get("tested")]
     certain = [f for f in searched if f["cause"] in ("width", "refused")]
-    effects = [f for f in searched if f["cause"] == "effect" and f not in short]
+    effects = [f for f in searched if f["cause"] == "effect"]
     idle = [f for f in searched if f["cause"] == "not reached"]
     outcome.why = [*cures, *sure, *tested, *short, *certain, *effects, *unsure, *idle]
     if outcome.end is End.TIME or not outcome.why:
@@ -84,17 +84,19 @@ def _searched(
     used: Sequence[str],
     offered: Families,
     helps: Helps,
-) -> list[Finding]:
-    """What the last search came near to. Where a first search had no end, nothing can be said of
-    what it would not have found."""
+) -> tuple[list[Finding], list[Finding]]:
+    """What the last search came near to, and what a few actions nearly do where a subgoal takes
+    more: that tells more. Where a first search had no end, nothing can be said of what it would not
+    have found."""
     assert outcome.stuck is not None
     if outcome.last is None:
-        return []
+        return [], []
     guide, tried = outcome.last
     if outcome.end is End.TIME and len(tried) < 2:
-        return []
+        return [], []
     seen = look_back(guide, tried, outcome.state, outcome.stuck)
-    found = []
+    found: list[Finding] = []
+    nearer: list[Finding] = []
     narrow: dict[str, int] = {}
     for subgoal in seen.subgoals:
         done = describe(subgoal.actions)
@@ -115,12 +117,11 @@ def _searched(
         changed = cured(model, miss)
         cure = changed is not None and helps(changed)
         one = finding_of(model, miss, outcome.stuck, done, cure)
-        # What a few actions nearly do tells more than a subgoal that takes many.
         if not better:
             found.append(one)
         elif one["cause"] == "effect":
-            found.append(one | {"short": True})
-    return found
+            nearer.append(one)
+    return found, nearer
 
 
 def _refused(subgoal: Found, done: str) -> Finding:

@@ -19,15 +19,9 @@ from runtime.search.limits import Limits
 from runtime.solve import open_task
 from runtime.world.poses import compose, invert
 from sketchlang.loader import load_sketch
-from tests.tabletop.scene.texts import write_scene
+from tests.tabletop.scene.texts import TABLE, write_scene
 
-TABLES = """
-[[table]]
-name = "table"
-at = [1.2, 0.0]
-size = [0.8, 1.2]
-top = 0.7
-[[table]]
+TABLES = f"""{TABLE}[[table]]
 name = "side"
 at = [0.0, -1.5]
 size = [0.8, 0.6]

@@ -11,7 +11,7 @@ from runtime.robot.load import load_robot
 from runtime.search.limits import Limits
 from runtime.solve import open_task
 from sketchlang.loader import load_sketch
-from tests.tabletop.scene.texts import TABLES
+from tests.tabletop.scene.texts import RACK, TABLES
 
 THINGS = """
 [[object]]
@@ -106,40 +106,13 @@ def test_hands_that_would_be_in_the_floor_do_not_count(tmp_path) -> None:
     assert ways[1][0] != 0
 
 
-LOW = """
-robot_start = [0.0, -1.0, 90.0]
-{approaches}
-[[table]]
-name = "table"
-at = [0.0, 0.6]
-size = [1.6, 0.8]
-top = 0.72
-[[shelf]]
-name = "rack"
-at = [2.2, -0.5]
-yaw = 90.0
-size = [1.4, 0.4]
-boards = [0.75, 1.1]
-thickness = 0.02
-[[object]]
-name = "tin"
-shape = "cylinder"
-radius = 0.035
-height = 0.05
-at = [0.0, 0.55]
-[[goal]]
-object = "tin"
-on = "rack/1"
-"""
-
-
 @pytest.mark.parametrize("robot", ["tiago", "franka_mobile"])
 def test_they_join_where_something_hardly_gets_to_its_goal_otherwise(tmp_path, robot) -> None:
     path = tmp_path / "scene.toml"
-    path.write_text(LOW.format(approaches='approaches = ["side", "top", "pinch"]'))
+    path.write_text(RACK.format(approaches='approaches = ["side", "top", "pinch"]'))
     model = load_robot(robot)
     assert SLANT not in TabletopWorld.of(load_scene(path), model).families
-    path.write_text(LOW.format(approaches=""))
+    path.write_text(RACK.format(approaches=""))
     assert TabletopWorld.of(load_scene(path), model).families == (*USUAL, SLANT)
     task = open_task(load_sketch("pick_and_place").checked, str(path), 0, robot)
     result = task.solve(Limits(timeout=60))

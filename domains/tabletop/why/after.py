@@ -182,11 +182,11 @@ class _Stuck:
 
     def _obstructed(self) -> Finding:
         world, state, index = self.world, self.state, self.index
-        ways = []
-        split = self._no_grasp_for_both()
+        taken = [] if self.is_held else families_to_object(world, state, index)
+        split = self._no_grasp_for_both(taken)
         if split:
             return finding(self.name, "obstructed", split, certain=False)
-        if not self.is_held and not way_to_object(world, state, index):
+        if not self.is_held and not taken:
             ways = barriers.to_object(world, state, index)
             text = f"something stands in front of {self.name}: {barriers.in_words(ways)}"
         else:
@@ -196,15 +196,14 @@ class _Stuck:
         data = [way.as_json() for way in ways]
         return finding(self.name, "obstructed", text, certain=False, ways=data)
 
-    def _no_grasp_for_both(self) -> str:
-        """The same where there are ways to the object and ways to its goal, but no grasp that
-        does for both; else nothing."""
+    def _no_grasp_for_both(self, taken: list[int]) -> str:
+        """What is said where there are ways to the object, of the families by which it is `taken`,
+        and ways to its goal, but no grasp that does for both; else nothing."""
         world, state, index = self.world, self.state, self.index
-        if self.is_held or faces_at(world, index, self.goal) != (0,):
+        if not taken or faces_at(world, index, self.goal) != (0,):
             return ""
-        taken = families_to_object(world, state, index)
         put = families_to_goal(world, state, index, self.goal)
-        if not taken or not put:
+        if not put:
             return ""
         where = self.ground.name
         if set(taken) & set(put):

@@ -87,8 +87,8 @@ class _Hopeless:
             return finding(name, "does not fit", text)
         resting = self.state.placements[self.index]
         assert resting is not None
-        fixed = world.grounds[resting.support].owner is None
         start = world.grounds[resting.support]
+        fixed = start.owner is None
         if fixed and depth.is_beyond_the_estimate(world, self.index, start):
             if not can_pick(self.problem, self.alone, self.index):
                 where = f"{start.name}{depth.in_words(world, start)}"

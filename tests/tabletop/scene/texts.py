@@ -28,6 +28,41 @@ top = 0.765
 rest = 0.767
 """
 
+TABLE = """
+[[table]]
+name = "table"
+at = [1.2, 0.0]
+size = [0.8, 1.2]
+top = 0.7
+"""
+
+RACK = """
+robot_start = [0.0, -1.0, 90.0]
+{approaches}
+[[table]]
+name = "table"
+at = [0.0, 0.6]
+size = [1.6, 0.8]
+top = 0.72
+[[shelf]]
+name = "rack"
+at = [2.2, -0.5]
+yaw = 90.0
+size = [1.4, 0.4]
+boards = [0.75, 1.1]
+thickness = 0.02
+[[object]]
+name = "tin"
+shape = "cylinder"
+radius = 0.035
+height = 0.05
+at = [0.0, 0.55]
+[[goal]]
+object = "tin"
+on = "rack/1"
+"""
+"""A low thing that is to go into a shelf; `approaches` is a line of its own, or nothing."""
+
 SCENE = f"""robot_start = [-0.5, 0.0, 0.0]
 {TABLES}
 [[wall]]

@@ -11,15 +11,11 @@ from runtime.solve import open_task
 from runtime.trace.make import trace_of_plan
 from runtime.trace.sketch import load_trace_sketch
 from sketchlang.loader import load_sketch
+from tests.tabletop.scene.texts import TABLE, write_scene
 
-SCENE = """
-robot_start = [0.0, 0.0, {heading}]
-[[table]]
-name = "table"
-at = [1.2, 0.0]
-size = [0.8, 1.2]
-top = 0.7
-[[table]]
+SCENE = f"""
+robot_start = [0.0, 0.0, {{heading}}]
+{TABLE}[[table]]
 name = "low"
 at = [0.2, -1.5]
 size = [0.6, 0.6]
@@ -27,8 +23,8 @@ top = 0.3
 [[bin]]
 name = "well"
 at = [0.2, -1.5]
-size = [{width}, {width}]
-height = {height}
+size = [{{width}}, {{width}}]
+height = {{height}}
 wall = 0.01
 on = "low"
 [[wall]]
@@ -47,8 +43,7 @@ on = "well"
 
 
 def opened(tmp_path, robot: str, height: float, width: float = 0.2, heading: float = -100.0):
-    path = tmp_path / "scene.toml"
-    path.write_text(SCENE.format(height=height, width=width, heading=heading))
+    path = write_scene(tmp_path, SCENE.format(height=height, width=width, heading=heading))
     return open_task(load_sketch("pick_and_place").checked, str(path), 0, robot)
 
 

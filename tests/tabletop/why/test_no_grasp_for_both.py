@@ -5,37 +5,11 @@ from __future__ import annotations
 from runtime.search.limits import Limits
 from runtime.solve import open_task
 from sketchlang.loader import load_sketch
-
-SCENE = """
-robot_start = [0.0, -1.0, 90.0]
-approaches = ["side", "top"]
-[[table]]
-name = "table"
-at = [0.0, 0.6]
-size = [1.6, 0.8]
-top = 0.72
-[[shelf]]
-name = "rack"
-at = [2.2, -0.5]
-yaw = 90.0
-size = [1.4, 0.4]
-boards = [0.75, 1.1]
-thickness = 0.02
-[[object]]
-name = "tin"
-shape = "cylinder"
-radius = 0.035
-height = 0.05
-at = [0.0, 0.55]
-[[goal]]
-object = "tin"
-on = "rack/1"
-"""
+from tests.tabletop.scene.texts import RACK, write_scene
 
 
 def test_it_is_said_that_no_grasp_does_for_both(tmp_path) -> None:
-    path = tmp_path / "scene.toml"
-    path.write_text(SCENE)
+    path = write_scene(tmp_path, RACK.format(approaches='approaches = ["side", "top"]'))
     result = open_task(load_sketch("pick_and_place").checked, str(path), 0).solve(
         Limits(timeout=60)
     )
