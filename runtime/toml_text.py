@@ -27,8 +27,10 @@ def inline(value: Any) -> str:
     match value:
         case bool():
             return "true" if value else "false"
-        case int() | float():
+        case int():
             return repr(value)
+        case float():
+            return repr(float(value))  # NumPy's floats are floats, too, and print their type
         case str():
             # Escapes of JSON are escapes of TOML; only DEL is to be written as one there.
             return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")

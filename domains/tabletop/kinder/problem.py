@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from runtime.toml_text import inline
 from sketchlang.files import write_text
 
 
@@ -49,15 +50,16 @@ def table(kind: str, **values: object) -> str:
 
 
 def _value(value: object) -> str:
+    return inline(_rounded(value))
+
+
+def _rounded(value: object) -> object:
+    """Numbers to a thousandth of a millimetre."""
     match value:
-        case bool():
-            return "true" if value else "false"
         case float():
-            return f"{value:.6f}"
-        case str():
-            return f'"{value}"'
+            return round(value, 6)
         case list() | tuple():
-            return "[" + ", ".join(map(_value, value)) + "]"
+            return [_rounded(each) for each in value]
         case dict():
-            return "{ " + ", ".join(f"{k} = {_value(v)}" for k, v in value.items()) + " }"
-    return str(value)
+            return {key: _rounded(each) for key, each in value.items()}
+    return value

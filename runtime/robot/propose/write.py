@@ -12,6 +12,7 @@ import numpy as np
 from runtime.robot.file import gripper_path
 from runtime.robot.propose.proposal import Proposal
 from runtime.robot.propose.reduced import reduced, rpy_of
+from runtime.toml_text import inline
 from runtime.world.poses import Pose
 from sketchlang.errors import InputError
 
@@ -63,15 +64,15 @@ def robot_toml(proposal: Proposal) -> str:
     assert file.base is not None
     lines = [
         f"# {file.name}: proposed by `sketchlang robot import`; try `sketchlang robot check`.",
-        f"name = {_text(file.name)}",
-        f"urdf = {_text(file.name + '.urdf')}",
-        f"base_link = {_text(proposal.base_link)}",
+        f"name = {inline(file.name)}",
+        f"urdf = {inline(file.name + '.urdf')}",
+        f"base_link = {inline(proposal.base_link)}",
     ]
     if proposal.tool is None:
-        lines.append(f"tool_link = {_text(proposal.tool_link)}")
+        lines.append(f"tool_link = {inline(proposal.tool_link)}")
     lines += [
         "",
-        f"joints = {_texts(file.joints)}",
+        f"joints = {inline(file.joints)}",
         "# Full speed in half a second: URDFs do not say. rad/s^2, m/s^2 for sliding joints.",
         f"acceleration = {list(file.acceleration)}",
         "# The posture in which the robot drives, or waits.",
@@ -79,14 +80,14 @@ def robot_toml(proposal: Proposal) -> str:
         "",
         "# Neighbours, the parts of the gripper, and links that touch in nearly all postures.",
         "ignored_collisions = [",
-        *(f"  [{_text(a)}, {_text(b)}]," for a, b in file.ignored),
+        *(f"  [{inline(a)}, {inline(b)}]," for a, b in file.ignored),
         "]",
     ]
     if proposal.tool is not None:
         lines += [
             "",
             "[tool]  # x: approach, y: the fingers close, origin: grasp centre",
-            f"link = {_text(proposal.tool_link)}",
+            f"link = {inline(proposal.tool_link)}",
             *_pose(proposal.tool),
         ]
     if mount is not None:
@@ -97,28 +98,28 @@ def robot_toml(proposal: Proposal) -> str:
         lines += [
             "",
             "[[attach]]  # the gripper",
-            f"urdf = {_text(urdf)}",
-            f"link = {_text(mount.link)}",
+            f"urdf = {inline(urdf)}",
+            f"link = {inline(mount.link)}",
             *_pose(mount.pose),
         ]
     for name, limits in proposal.limits.items():
-        lines += ["", f"[limits.{_text(name)}]"]
+        lines += ["", f"[limits.{inline(name)}]"]
         lines += [f"{key} = {value:g}" for key, value in limits.items()]
     if file.fixed:
         lines += ["", "[fixed_joints]"]
-        lines += [f"{_text(name)} = {value:g}" for name, value in file.fixed.items()]
+        lines += [f"{inline(name)} = {value:g}" for name, value in file.fixed.items()]
     if file.gripper is not None:
         lines += [
             "",
             "[gripper]",
-            f"finger_joints = {_texts(file.gripper.fingers)}",
-            f"links = {_texts(file.gripper.links)}",
+            f"finger_joints = {inline(file.gripper.fingers)}",
+            f"links = {inline(file.gripper.links)}",
             f"clearance = {file.gripper.clearance:g}  # metres beside the object while approaching",
             f"time = {file.gripper.time:g}  # seconds to open or close",
             *(['opens = "fully"'] if file.gripper.opens_fully else []),
             "# Where they are known: max_force (N), max_torque (N m), payload (kg).",
         ]
-    lines += ["", "[base]", f"type = {_text(file.base.type)}"]
+    lines += ["", "[base]", f"type = {inline(file.base.type)}"]
     if proposal.height:
         lines.append(f"height = {proposal.height:g}  # metres of its root above the floor")
     if file.base.type != "fixed":
@@ -127,19 +128,10 @@ def robot_toml(proposal: Proposal) -> str:
             for key in ("velocity", "acceleration", "angular_velocity", "angular_acceleration")
         ]
     for each in file.controllers or ():
-        lines += ["", f"[controllers.{_text(each.name)}]", f"type = {_text(each.type)}"]
+        lines += ["", f"[controllers.{inline(each.name)}]", f"type = {inline(each.type)}"]
         if each.joints:
-            lines.append(f"joints = {_texts(each.joints)}")
+            lines.append(f"joints = {inline(each.joints)}")
     return "\n".join(lines) + "\n"
-
-
-def _text(value: str) -> str:
-    escaped = value.replace("\\", "\\\\").replace('"', '\\"')
-    return f'"{escaped}"'
-
-
-def _texts(values: tuple[str, ...]) -> str:
-    return "[" + ", ".join(map(_text, values)) + "]"
 
 
 def _pose(pose: Pose) -> list[str]:
