@@ -13,7 +13,7 @@ import click
 
 from sketchlang import reading
 from sketchlang.cli import names
-from sketchlang.cli.common import Number, fail, interruptible, say
+from sketchlang.cli.common import FILE, Number, fail, interruptible, say
 
 if TYPE_CHECKING:
     from runtime.bench.job import Job, Result
@@ -119,7 +119,7 @@ def command() -> None:
 )
 @click.option(
     "--out",
-    type=click.Path(path_type=Path, dir_okay=False),
+    type=FILE,
     help="Results, one JSON object a line; bench-NAME.jsonl. The plot lies beside it.",
 )
 @interruptible

@@ -25,6 +25,9 @@ if TYPE_CHECKING:
 P = ParamSpec("P")
 R = TypeVar("R")
 
+FILE = click.Path(path_type=Path, dir_okay=False)
+"""A file that an option names: one to be written, mostly."""
+
 DEEP = 20_000
 """Calls within calls that proofs with very many steps may need."""
 

@@ -11,6 +11,7 @@ import click
 from sketchlang.analysis.words import counted
 from sketchlang.cli import names
 from sketchlang.cli.common import (
+    FILE,
     check_outputs,
     fail,
     interruptible,
@@ -71,7 +72,7 @@ Examples:
 @click.option("--gui", is_flag=True, help="Watch it in PyBullet's window.")
 @click.option(
     "--trace",
-    type=click.Path(path_type=Path, dir_okay=False),
+    type=FILE,
     help="Write the trace of what happened.",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else.")

@@ -10,6 +10,7 @@ import click
 
 from sketchlang.analysis.words import counted
 from sketchlang.cli.common import (
+    FILE,
     Number,
     check_outputs,
     fail,
@@ -39,32 +40,32 @@ Examples:
 @click.option(
     "--steps",
     "steps_file",
-    type=click.Path(path_type=Path, dir_okay=False),
+    type=FILE,
     help="Write the goals for the robot's controllers, step by step, as JSON, which is YAML.",
 )
 @click.option(
     "--moveit",
     "moveit_file",
-    type=click.Path(path_type=Path, dir_okay=False),
+    type=FILE,
     help="Write a planning scene, and for each step its RobotTrajectory.",
 )
 @click.option(
     "--trajectory",
-    type=click.Path(path_type=Path, dir_okay=False),
+    type=FILE,
     help="Write the whole motion as two JointTrajectory messages.",
 )
 @click.option("--bag", type=click.Path(path_type=Path), help="Write a ROS 2 bag, a new folder.")
-@click.option("--glb", type=click.Path(path_type=Path, dir_okay=False), help="Write a 3D model.")
+@click.option("--glb", type=FILE, help="Write a 3D model.")
 @click.option(
     "--dlplan",
     "dlplan_file",
-    type=click.Path(path_type=Path, dir_okay=False),
+    type=FILE,
     help="FILE is a sketch of a PDDL domain: write it as a policy of dlplan.",
 )
 @click.option(
     "--runir",
     "runir_file",
-    type=click.Path(path_type=Path, dir_okay=False),
+    type=FILE,
     help="The same, as a policy of runir.",
 )
 @click.option(

@@ -9,6 +9,7 @@ import click
 
 from sketchlang.cli import names
 from sketchlang.cli.common import (
+    FILE,
     check_outputs,
     domain_option,
     fail,
@@ -40,7 +41,7 @@ SUFFIXES = {".svg": "svg", ".dot": "dot", ".gv": "dot", ".mmd": "mermaid", ".mer
 @click.option(
     "-o",
     "--out",
-    type=click.Path(path_type=Path, dir_okay=False),
+    type=FILE,
     metavar="OUT",
     help="Write to a file, not to standard output.",
 )

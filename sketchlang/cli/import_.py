@@ -11,10 +11,10 @@ import click
 
 from sketchlang.analysis.words import counted
 from sketchlang.cli import names
-from sketchlang.cli.common import check_outputs, fail, interruptible, say
+from sketchlang.cli.common import FILE, check_outputs, fail, interruptible, say
 
 READ = click.Path(path_type=Path)
-WRITTEN = click.Path(path_type=Path, dir_okay=False)
+WRITTEN = FILE
 
 
 def _of_a_policy(command: Callable[..., None]) -> Callable[..., None]:

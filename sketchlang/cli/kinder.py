@@ -9,7 +9,7 @@ from pathlib import Path
 
 import click
 
-from sketchlang.cli.common import Number, fail, interruptible, say
+from sketchlang.cli.common import FILE, Number, fail, interruptible, say
 
 FOLDER = Path(sys.prefix) / "kinder"
 """Where `make kinder` puts KinDER's own environment: beside the one that this runs in."""
@@ -41,12 +41,12 @@ Examples:
 @click.option(
     "--python",
     "interpreter",
-    type=click.Path(path_type=Path, dir_okay=False),
+    type=FILE,
     help="The Python of KinDER's environment; that which `make kinder` made.",
 )
 @click.option(
     "--keep",
-    type=click.Path(path_type=Path, dir_okay=False),
+    type=FILE,
     metavar="FILE",
     help="Keep records there, one a line; what it has already is not played again.",
 )

@@ -11,6 +11,7 @@ import click
 
 from sketchlang.analysis.words import counted
 from sketchlang.cli.common import (
+    FILE,
     Number,
     check_outputs,
     fail,
@@ -34,12 +35,10 @@ Examples:
 """
 )
 @trace_options
-@click.option(
-    "--html", type=click.Path(path_type=Path, dir_okay=False), help="Write a page for the browser."
-)
+@click.option("--html", type=FILE, help="Write a page for the browser.")
 @click.option(
     "--against",
-    type=click.Path(path_type=Path, dir_okay=False),
+    type=FILE,
     metavar="FILE",
     help="Another plan or trace, beside the first one on the page.",
 )
@@ -48,8 +47,8 @@ Examples:
     type=click.Path(path_type=Path, file_okay=False),
     help="Write pictures into this folder: start, end, each subgoal.",
 )
-@click.option("--mp4", type=click.Path(path_type=Path, dir_okay=False), help="Write a film.")
-@click.option("--gif", type=click.Path(path_type=Path, dir_okay=False), help="Write a small film.")
+@click.option("--mp4", type=FILE, help="Write a film.")
+@click.option("--gif", type=FILE, help="Write a small film.")
 @click.option(
     "--speed",
     type=Number(0.1, 100),
@@ -67,9 +66,7 @@ Examples:
     help="Where films begin.",
 )
 @click.option("--to", "end", type=Number(min=0), metavar="S", help="Where films end.")
-@click.option(
-    "--trace", type=click.Path(path_type=Path, dir_okay=False), help="Write the trace itself."
-)
+@click.option("--trace", type=FILE, help="Write the trace itself.")
 @interruptible
 def command(
     file: Path,

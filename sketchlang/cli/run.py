@@ -10,6 +10,7 @@ import click
 
 from sketchlang.cli import names
 from sketchlang.cli.common import (
+    FILE,
     Number,
     check_outputs,
     domain_option,
@@ -73,7 +74,7 @@ Examples:
 )
 @click.option(
     "--out",
-    type=click.Path(path_type=Path, dir_okay=False),
+    type=FILE,
     help="Write the plan here; of an unsolved run, what it reached to NAME.unsolved.json.",
 )
 @click.option(

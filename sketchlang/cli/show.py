@@ -9,7 +9,7 @@ from pathlib import Path
 import click
 
 from sketchlang.cli import names
-from sketchlang.cli.common import check_outputs, fail, interruptible
+from sketchlang.cli.common import FILE, check_outputs, fail, interruptible
 
 WIDTH = 100
 """Columns of what goes to a file or to another program."""
@@ -38,7 +38,7 @@ Examples:
 @click.option(
     "--svg",
     "out",
-    type=click.Path(path_type=Path, dir_okay=False),
+    type=FILE,
     metavar="OUT",
     help="Draw a scene into an SVG file.",
 )

@@ -12,6 +12,7 @@ import click
 from sketchlang.cli import names
 from sketchlang.cli.common import (
     DEEP,
+    FILE,
     Number,
     check_outputs,
     domain_option,
@@ -35,7 +36,7 @@ if TYPE_CHECKING:
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 @click.option(
     "--certificate",
-    type=click.Path(path_type=Path, dir_okay=False),
+    type=FILE,
     metavar="OUT.json",
     help="Write the proof to a file.",
 )
