@@ -96,7 +96,11 @@ def summary(report: dict[str, Any]) -> list[str]:
     fired = ", ".join(f"{rule} {count}x" for rule, count in report["rules_fired"].items())
     if fired:
         lines.append(f"rules: {fired}")
-    lines.append(f"search: {report['expanded']} expanded, {report['generated']} generated")
+    back = report["retreats"]
+    lines.append(
+        f"search: {report['expanded']} expanded, {report['generated']} generated"
+        + (f", went back {counted(back, 'time')}" if back else "")
+    )
     for name, step in report["profile"].items():
         rejected = step["calls"] - step["successes"]
         lines.append(

@@ -1,7 +1,7 @@
 """A task walked subgoal by subgoal, each searched for when it is asked for.
 
-The subgoals are those of `Task.solve` with the same seed. What was found is remembered, so one can
-go back.
+The subgoals are those of `Task.solve` with the same seed, until the run gets stuck: where that goes
+back and draws anew, a walk ends. What was found is remembered, so one can go back in it.
 """
 
 from __future__ import annotations

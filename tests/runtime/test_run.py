@@ -23,7 +23,7 @@ ROOT = Path(__file__).parents[2]
 CONTRACT = {
     "sketch", "scene", "planner", "robot", "seed", "solved", "planning_time_s",
     "execution_time_s", "expanded", "generated", "subplans", "actions", "motion_plans",
-    "rules_fired", "profile", "version", "execution_lower_bound_s",
+    "retreats", "rules_fired", "profile", "version", "execution_lower_bound_s",
 }  # fmt: skip
 UNSOLVED = (CONTRACT - {"execution_lower_bound_s"}) | {"reason", "stuck", "why"}
 STEPS = ["in_arm_workspace", "inverse_kinematics", "motion_plan"]
