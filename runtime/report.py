@@ -59,8 +59,8 @@ def step_in_words(task: Task, step: Subgoal | Retreat) -> str:
     """What a run did last: a subgoal that it found, or how far it went back."""
     if isinstance(step, Subgoal):
         return f"{step.rule:<14} {task.reporting.describe(step.actions)}"
-    back = f"to after {counted(step.back, 'subgoal')}" if step.back else "to the start"
-    return f"stuck after {counted(step.stuck, 'subgoal')}: back {back}, with new samples"
+    far = f"back {counted(step.stuck - step.back, 'subgoal')}" if step.back else "back to the start"
+    return f"stuck after {counted(step.stuck, 'subgoal')}: {far}, with new samples"
 
 
 def summary(report: dict[str, Any]) -> list[str]:

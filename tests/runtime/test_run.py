@@ -12,8 +12,12 @@ from typing import Any
 import pytest
 from click.testing import CliRunner, Result
 
+from runtime.report import step_in_words
+from runtime.search.siw_r import Retreat
+from runtime.solve import open_task
 from sketchlang.cli.run import command as run
 from sketchlang.cli.validate import command as validate
+from sketchlang.loader import load_sketch
 from tests.conftest import sketchlang
 from tests.runtime.robot.robots import TOML, write_robot
 from tests.tabletop.scene.texts import SCENE, TABLES, WORD, write_scene
@@ -332,3 +336,14 @@ def test_memory_stays_under_a_gigabyte(tmp_path: Path) -> None:
     done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT, check=False)
     assert done.returncode == 0
     assert float(done.stderr.split()[-1]) < 1024
+
+
+@pytest.mark.parametrize(
+    ("retreat", "words"),
+    [(Retreat(8, 7), "back 1 subgoal,"), (Retreat(8, 0), "back to the start,")],
+)
+def test_it_is_told_how_far_a_run_goes_back(retreat, words) -> None:
+    task = open_task(load_sketch("delivery_policy").checked, "delivery/four")
+    said = step_in_words(task, retreat)
+    assert said.startswith("stuck after 8 subgoals: ")
+    assert words in said
