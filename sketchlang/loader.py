@@ -122,6 +122,8 @@ def load_source(target: str) -> Source:
     """The text of a path, of standard input (`-`), or of a built-in sketch."""
     if target == "-":
         return Source("<stdin>", decoded(read_standard_input(MAX_BYTES), "<stdin>"))
+    if not target:
+        raise InputError("a name or a path of a sketch is expected, this is an empty text")
     path = Path(target)
     # Path.exists raises where a name is too long. A folder of tasks may bear a sketch's name.
     if not os.path.exists(path) or os.path.isdir(path):

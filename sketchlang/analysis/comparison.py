@@ -19,8 +19,11 @@ BOOL_CASES = ((0, 0), (0, 1), (1, 0), (1, 1))
 NAT_CASES = ((0, 0), (0, 1), (1, 0), (2, 1), (1, 1), (1, 2))
 """Values before and after that stand for all pairs of their case."""
 
-MOST_WORK = 3_000_000
+MOST_WORK = 10_000_000
 """Steps before a comparison is given up: some seconds."""
+
+FEATURES_A_STEP = 4
+"""Features of two boxes that are compared in a step."""
 
 Box = tuple[int, ...]
 """For each feature the cases allowed, as a mask."""
@@ -126,6 +129,7 @@ class _Space:
             starts = list(self._not_before(literals))
         for box, rule in boxes:
             for start in starts:
+                self.work.step(1 + len(box) // FEATURES_A_STEP)
                 met = _met(box, start)
                 if met is not None:
                     yield met, rule
@@ -172,20 +176,19 @@ class _Space:
 
     def _outside(self, box: Box, cover: Sequence[Box]) -> Box | None:
         """A part of a box that no box of the cover meets, None if there is none."""
-        if not all(box):
-            return None
-        self.work.step(1 + len(cover))
-        near = [met for met in (_met(box, other) for other in cover) if met is not None]
-        if not near:
-            return box
-        if box in near:
-            return None
-        place = _dividing(box, near)
-        for part in _parts(box[place], {other[place] for other in near}):
-            smaller = (*box[:place], part, *box[place + 1 :])
-            found = self._outside(smaller, near)
-            if found is not None:
-                return found
+        waiting = [(box, cover)] if all(box) else []
+        while waiting:
+            box, cover = waiting.pop()
+            self.work.step(1 + len(cover) * len(box) // FEATURES_A_STEP)
+            near = [met for met in (_met(box, other) for other in cover) if met is not None]
+            if not near:
+                return box
+            if box in near:
+                continue
+            place = _dividing(box, near)
+            parts = _parts(box[place], {other[place] for other in near})
+            smaller = [(*box[:place], part, *box[place + 1 :]) for part in reversed(parts)]
+            waiting += [(one, near) for one in smaller]
         return None
 
 

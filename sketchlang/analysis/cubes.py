@@ -13,6 +13,12 @@ from typing import NamedTuple
 from sketchlang.analysis.bits import members
 from sketchlang.model import And, Formula, Literal, Not, Or
 
+LITERALS_A_STEP = 8
+"""Literals of cubes that are counted in one step."""
+
+MOST_CHOSEN = 300
+"""Features of a set that hits others, at most: the search for it calls itself so often."""
+
 
 class TooManyCubesError(Exception):
     """A set falls into more cubes than the caller is ready to wait for."""
@@ -61,33 +67,38 @@ def complement(cubes: Iterable[Cube], work: Work, within: Cube = EVERYTHING) -> 
         if not disjoint(cube, within)
     ]
     found: list[Cube] = []
-    _complement(relevant, within, found, work)
+    # What is left to take away is over features that are not known on the path to there.
+    waiting = [(relevant, within)]
+    while waiting:
+        left, path = waiting.pop()
+        literals = sum(cube.known.bit_count() for cube in left)
+        work.step(1 + max(len(left), literals // LITERALS_A_STEP))
+        if not left:
+            found.append(path)
+        elif all(cube.known for cube in left):
+            feature = _dividing(left)
+            waiting += [_half(left, path, 1 << feature, value) for value in (1 << feature, 0)]
     return found
 
 
-def _complement(cubes: list[Cube], path: Cube, found: list[Cube], work: Work) -> None:
-    """`cubes` do not mention the features known on the path."""
-    work.step(1 + len(cubes))
-    if not cubes:
-        found.append(path)
-        return
-    if not all(cube.known for cube in cubes):
-        return
+def _dividing(cubes: Sequence[Cube]) -> int:
+    """The feature that most cubes ask for; a short cube is the sooner used up."""
     counts: dict[int, int] = {}
     for cube in cubes:
-        # A short cube is the sooner used up.
         weight = 1 << max(0, 8 - cube.known.bit_count())
         for feature in members(cube.known):
             counts[feature] = counts.get(feature, 0) + weight
-    feature = max(counts, key=lambda f: (counts[f], -f))
-    bit = 1 << feature
-    for value in (0, bit):
-        rest = [
-            Cube(cube.known & ~bit, cube.bits & ~bit)
-            for cube in cubes
-            if not cube.known & bit or cube.bits & bit == value
-        ]
-        _complement(rest, Cube(path.known | bit, path.bits | value), found, work)
+    return max(counts, key=lambda f: (counts[f], -f))
+
+
+def _half(cubes: Sequence[Cube], path: Cube, bit: int, value: int) -> tuple[list[Cube], Cube]:
+    """The cubes and the path where one more feature is known."""
+    rest = [
+        Cube(cube.known & ~bit, cube.bits & ~bit)
+        for cube in cubes
+        if not cube.known & bit or cube.bits & bit == value
+    ]
+    return rest, Cube(path.known | bit, path.bits | value)
 
 
 def covered(cube: Cube, by: Iterable[Cube], work: Work) -> bool:
@@ -117,6 +128,8 @@ def fewest_hitting(sets: Sequence[int], work: Work) -> int:
     def search(left: list[int], chosen: int) -> None:
         nonlocal best
         work.step(1 + len(left))
+        if chosen.bit_count() > MOST_CHOSEN:
+            raise TooManyCubesError
         if chosen.bit_count() + bool(left) >= best.bit_count():
             if not left and chosen.bit_count() < best.bit_count():
                 best = chosen

@@ -198,7 +198,12 @@ def _edit(model: SketchModel, rule: int, feature: int, instead: Effect | None) -
 
 
 def _suffices(model: SketchModel, remedy: Remedy, budget: Budget) -> bool | None:
-    """Whether the sketch with the remedy in place is proved to terminate."""
+    """Whether the sketch with the remedy in place is proved to terminate; None if the time was over
+    before that was known."""
+    try:
+        budget.check()  # rule elimination does not look at the time
+    except LimitReachedError:
+        return None
     rules = list(model.rules)
     for edit in remedy.edits:
         if edit.effect is not None:

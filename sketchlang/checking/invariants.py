@@ -18,6 +18,9 @@ _MAX_INVARIANT_FEATURES = 12
 MOST_WORK = 100_000
 """Steps that are spent on what several invariants say together: well under a tenth of a second."""
 
+MOST_SHOWN = 8
+"""Invariants that are shown in their places, of those that exclude something together."""
+
 
 class Stated:
     """The invariants of a sketch, each of which can hold on its own, and where they stand.
@@ -86,7 +89,7 @@ class Stated:
         return f"{len(chosen)} invariants together exclude it"
 
     def _labels(self, chosen: Sequence[int]) -> list[Label]:
-        places = [self._places[number] for number in chosen]
+        places = [self._places[number] for number in chosen[:MOST_SHOWN]]
         return [Label(place.source, place.span, "invariant") for place in places]
 
 

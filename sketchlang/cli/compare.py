@@ -40,13 +40,13 @@ def command(*, first: str, second: str, as_json: bool, domain_file: str | None) 
     from sketchlang.analysis.comparison import NotComparableError, compare
     from sketchlang.analysis.cubes import TooManyCubesError
 
+    names = (first, second) if a.name == b.name else (a.name, b.name)
     try:
         found = compare(a, b)
     except NotComparableError as error:
         fail(str(error))
     except TooManyCubesError:
-        fail(f"{a.name} and {b.name} are too large to be compared")
-    names = (first, second) if a.name == b.name else (a.name, b.name)
+        fail(f"{names[0]} and {names[1]} are too large to be compared")
     if as_json:
         from sketchlang.escape import dumps
 

@@ -84,12 +84,13 @@ def command(
     loaded = load_valid(file, domain_file)
     from sketchlang.analysis.limits import Budget
     from sketchlang.analysis.repair import find_repairs
-    from sketchlang.analysis.termination import Terminating, decide_termination
+    from sketchlang.analysis.termination import Terminating, Undecided, decide_termination
 
     model = loaded.checked.model
     started = time.perf_counter()
     budget = Budget(time_limit)
-    fine = isinstance(decide_termination(model, budget), Terminating)
+    verdict = decide_termination(model, budget)
+    fine = isinstance(verdict, Terminating)
     wanted = max(count, chosen or 0)
     found = None if fine else find_repairs(model, budget, wanted)
     proposals = () if found is None else found.proposals
@@ -99,13 +100,18 @@ def command(
             fail(f"there is no proposal {chosen}", f"{len(offers)} were found")
         _write(loaded, file, offers[chosen - 1])
     shown = offers[:count] if chosen is None else [offers[chosen - 1]] if not fine else []
+    undecided = isinstance(verdict, Undecided) and not offers
     if as_json:
         from sketchlang.escape import dumps
 
-        result = _as_json(loaded, shown, fine, found is None or found.complete)
+        result = _as_json(
+            loaded, shown, None if undecided else fine, found is None or found.complete
+        )
         seconds = round(time.perf_counter() - started, 6)
         result |= {"applied": chosen if not fine else None, "time_s": seconds}
         click.echo(dumps(result | {"version": __version__}, indent=2))
+    elif isinstance(verdict, Undecided) and undecided:
+        say(f"{model.name}: undecided, the {verdict.limit} was reached; no repair was found.")
     else:
         _print(model.name, shown, fine, chosen, time_limit)
     sys.exit(0 if fine or offers else 1)
@@ -176,7 +182,9 @@ def _part(offer: Offer) -> str:
     return f"forbids {max(part, 0.001):.1%} of the steps that the sketch allows now"
 
 
-def _as_json(loaded: Loaded, offers: Sequence[Offer], fine: bool, complete: bool) -> dict[str, Any]:
+def _as_json(
+    loaded: Loaded, offers: Sequence[Offer], fine: bool | None, complete: bool
+) -> dict[str, Any]:
     return {
         "sketch": loaded.checked.model.name,
         "terminates": fine,

@@ -107,12 +107,15 @@ def command(
     from sketchlang.compile import EvaluationError
     from sketchlang.domain import SceneError
     from sketchlang.errors import InputError
+    from sketchlang.files import check_output
 
     loaded = load_valid(sketch, domain_file)
     try:
         if replay is not None:
             _replay(loaded, replay)
             return
+        if out is not None:
+            check_output(Path(out), folder=True, option="--out")
         names = scenes or _own_scenes(loaded)
         effort = Effort(states=states, subproblems=subproblems, k_max=k_max)
         tasks = [open_task(loaded.checked, scene, seed) for scene in names]
@@ -239,9 +242,8 @@ def _write(folder: Path, tasks: Sequence[Task], trial: Trial, seed: int) -> list
     written, and why what was not."""
     from sketchlang.errors import InputError
     from sketchlang.escape import dumps
-    from sketchlang.files import check_output, write_text
+    from sketchlang.files import write_text
 
-    check_output(folder, folder=True, option="--out")
     try:
         folder.mkdir(exist_ok=True)
     except OSError as error:

@@ -14,7 +14,7 @@ from click.testing import CliRunner, Result
 from sketchlang.analysis.changes import changed, requirements, tightenings
 from sketchlang.analysis.comparison import Comparison, Witness, compare
 from sketchlang.cli import cli
-from sketchlang.model import Kind, SketchModel, holds
+from sketchlang.model import Effect, Feature, Kind, Rule, SketchModel, holds
 from tests.analysis.known import PAPER
 from tests.analysis.random_sketches import dense_sketch, random_sketch
 
@@ -154,3 +154,14 @@ def test_a_feature_that_one_sketch_lacks_may_do_anything(tmp_path: Path) -> None
     result = run("compare", first, second)
     assert result.exit_code == 2
     assert "n is a nat here, a bool there" in result.stderr
+
+
+def test_more_features_than_python_nests_calls() -> None:
+    features = tuple(Feature(f"b{i}", Kind.BOOL) for i in range(1200))
+    anything = Rule("r", {}, dict.fromkeys(range(1200), Effect.ANY))
+    free = SketchModel("free", features, (anything,))
+    still = SketchModel("still", features, (Rule("r", {}, {}),))
+    found = compare(free, still)
+    assert found.verdict == "second-refines-first"
+    assert found.only_first is not None
+    assert found.only_first.before != found.only_first.after

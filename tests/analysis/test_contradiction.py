@@ -6,7 +6,9 @@ import random
 from itertools import combinations, product
 
 from sketchlang.analysis.contradiction import Together
+from sketchlang.loader import load_text
 from sketchlang.model import And, Formula, Literal, Not, Or, holds
+from sketchlang.source import Source
 
 WORK = 100_000
 
@@ -70,3 +72,15 @@ def test_too_much_work_is_no_contradiction() -> None:
         left, right = odd[-1], Literal(f, True)
         odd.append(And((Or((left, right)), Not(And((left, right))))))
     assert Together([odd[-1], Not(odd[-1])], WORK).contradiction() == ()
+
+
+def test_not_all_of_many_are_shown() -> None:
+    count = 40
+    lines = [f"feature b{i} : bool" for i in range(count)]
+    lines += [f"invariant not b{i} or b{i + 1}" for i in range(count - 1)]
+    text = "\n".join(["sketch s", *lines, "invariant b0", f"invariant not b{count - 1}"])
+    text += "\ngoal { b0 }\nrule r { !b0 } -> { b0 }\n"
+    found = next(one for one in load_text(Source("s", text)).diagnostics if one.primary)
+    assert found.code == "contradicting-invariants"
+    assert f"and {count} other invariants" in found.message
+    assert 1 < len(found.secondary) < 10

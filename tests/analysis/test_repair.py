@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner, Result
 
+from benchmarks.families import FAMILIES
 from sketchlang.analysis.changes import (
     Assume,
     Bound,
@@ -230,3 +231,13 @@ def test_users_mistakes(tmp_path: Path) -> None:
     assert "there is no proposal 19" in result.stderr
     assert run("repair", path, "--apply", 0).exit_code == 2
     assert path.read_text().startswith("sketch s")
+
+
+def test_what_is_not_decided_is_not_called_endless(tmp_path: Path) -> None:
+    path = tmp_path / "it.sketch"
+    path.write_text(FAMILIES["ring"](60))
+    result = run("repair", path, "--time-limit", 0.01)
+    assert result.exit_code == 1
+    assert "undecided, the time limit of 0.01 s was reached" in result.output
+    found = json.loads(run("repair", path, "--time-limit", 0.01, "--json").output)
+    assert (found["terminates"], found["proposals"]) == (None, [])
