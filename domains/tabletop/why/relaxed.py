@@ -67,7 +67,7 @@ def without(
     goals = {i: goal for i, goal in scene.goals.items() if i == index}
     relaxed_scene = replace(scene, world=replace(inner, fixed=kept, supports=supports), goals=goals)
     if names:
-        relaxed = TabletopWorld.of(relaxed_scene, world.robot)
+        relaxed = TabletopWorld.of(relaxed_scene, world.robot, world)
     else:
         relaxed = replace(world, scene=relaxed_scene, memory=Memory())
     placements = tuple(None if i in absent else p for i, p in enumerate(state.placements))
