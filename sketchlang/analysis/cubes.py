@@ -13,8 +13,8 @@ from typing import NamedTuple
 from sketchlang.analysis.bits import members
 from sketchlang.model import And, Formula, Literal, Not, Or
 
-LITERALS_A_STEP = 8
-"""Literals of cubes that are counted in one step."""
+LITERALS_A_STEP = 16
+"""Literals of a cube that are looked at in one step."""
 
 MOST_CHOSEN = 300
 """Features of a set that hits others, at most: the search for it calls itself so often."""
@@ -67,12 +67,13 @@ def complement(cubes: Iterable[Cube], work: Work, within: Cube = EVERYTHING) -> 
         if not disjoint(cube, within)
     ]
     found: list[Cube] = []
+    longest = max((cube.known.bit_count() for cube in relevant), default=0)
+    steps = max(1, longest // LITERALS_A_STEP)  # for a cube
     # What is left to take away is over features that are not known on the path to there.
     waiting = [(relevant, within)]
     while waiting:
         left, path = waiting.pop()
-        literals = sum(cube.known.bit_count() for cube in left)
-        work.step(1 + max(len(left), literals // LITERALS_A_STEP))
+        work.step(1 + len(left) * steps)
         if not left:
             found.append(path)
         elif all(cube.known for cube in left):
