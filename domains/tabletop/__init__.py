@@ -113,6 +113,20 @@ def next_to_settle(state: State, o: Object) -> bool:
 
 
 @domain.function(ignores="base")
+def bars_settling(state: State, p: Object, o: Object) -> bool:
+    """Whether p is to be taken away before o, next to settle, can be put where it is wanted."""
+    found: bool = _features().bars_settling(state, p, o)
+    return found
+
+
+@domain.function(ignores="base")
+def may_bear(state: State, o: Object) -> Nat:
+    """How many objects may be put on o, whatever stands there now."""
+    number: int = state.world.may_bear[o]
+    return number
+
+
+@domain.function(ignores="base")
 def goal_placements(state: State, o: Object) -> tuple[Placement, ...]:
     """Unoccupied placements in which an object would be where the scene wants it."""
     found: tuple[Placement, ...] = _features().goal_placements(state, o)

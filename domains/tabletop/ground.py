@@ -10,6 +10,9 @@ import numpy as np
 from runtime.world.poses import Floats, Pose, apply
 from runtime.world.world import Peg
 
+MIDDLE = 0.01
+"""Metres from the middle of a hole within which something is right over it."""
+
 
 @dataclass(frozen=True, eq=False)
 class Ground:
@@ -55,6 +58,13 @@ class Ground:
         """Whether a point of the plane is on the region, `inset` metres from its edge."""
         lx, ly = self.local(x, y)
         return abs(lx) <= self.half[0] - inset and abs(ly) <= self.half[1] - inset
+
+    def is_over(self, x: float, y: float) -> bool:
+        """Whether a point of the plane is over the peg of the region, or in the middle of the hole
+        in it."""
+        lx, ly = self.local(x, y)
+        least = MIDDLE if self.peg is None else max(self.peg.radius, MIDDLE)
+        return abs(lx) < least and abs(ly) < least
 
     def lattice(self, spacing: float, inset: float) -> Floats:
         """Points (S, 2) that cover the region evenly, `inset` metres from its edge, in the

@@ -59,7 +59,7 @@ Ints = NDArray[np.int64]
 Placements = tuple[Placement | None, ...]
 
 OVER = 1e-4
-"""Metres by which what stands over a peg may be off the peg's middle."""
+"""Metres by which the solids of a knob may be wider than it was found to be."""
 
 OF_THE_HAND = (
     "holds", "holds within a step", "place holds", "grasps", "grips", "turned", "turns",
@@ -404,7 +404,10 @@ class TabletopWorld:
         sweeps = self.hand.sweeps[family]
         open_ways = swept.open_headings(sites, hold.rows, hold.height, own, self.statics, sweeps)
         for support in self.pegs:  # what stands there goes over the peg
-            over = np.abs(sites[:, :2] - self.grounds[support].pose[:2, 3]).max(axis=1) < OVER
+            ground = self.grounds[support]
+            assert ground.peg is not None
+            away = np.abs(sites[:, :2] - ground.pose[:2, 3]).max(axis=1)
+            over = away < ground.peg.radius
             if over.any():
                 beside = self._statics_beside(support)
                 open_ways[over] = swept.open_headings(
@@ -462,10 +465,21 @@ class TabletopWorld:
         height = ground.height + ground.peg.height - at[2]
         return Peg(ground.peg.radius, height) if height > 0 else None
 
+    def named_statics_at(self, x: float, y: float) -> tuple[list[str], list[Floats]]:
+        """The names of what never moves but for a peg that rises at a point, one for each box, and
+        the boxes (8,)."""
+        support = self._peg_at(x, y)
+        owner = None if support is None else self.scene.supports[support].owner
+        names = [thing.name for thing in self.scene.world.fixed for _ in thing.body.parts]
+        pairs = zip(names, self.statics, strict=True)
+        kept = [(name, row) for name, row in pairs if name != owner]
+        return [name for name, _ in kept], [row for _, row in kept]
+
     def _peg_at(self, x: float, y: float) -> int | None:
+        """The support around a peg that never moves, over which a point is."""
         for support in self.pegs:
-            px, py = self.grounds[support].pose[:2, 3]
-            if abs(px - x) < OVER and abs(py - y) < OVER:
+            (px, py), peg = self.grounds[support].pose[:2, 3], self.grounds[support].peg
+            if peg is not None and abs(px - x) < peg.radius and abs(py - y) < peg.radius:
                 return support
         return None
 
@@ -473,9 +487,8 @@ class TabletopWorld:
         """The boxes of what never moves but for the peg of a support (w, 8)."""
 
         def compute() -> Floats:
-            owner = self.scene.supports[support].owner
-            names = [thing.name for thing in self.scene.world.fixed for _ in thing.body.parts]
-            return self.statics[[name != owner for name in names]]
+            x, y = self.grounds[support].pose[:2, 3].tolist()
+            return np.array(self.named_statics_at(x, y)[1]).reshape(-1, 8)
 
         return self.memory.answer("beside pegs", support, compute)
 
@@ -511,6 +524,19 @@ class TabletopWorld:
         if only_on is not None and support not in only_on:
             return False
         return ground.peg is None or goes_over(self.item(index, face), ground.peg)
+
+    @cached_property
+    def may_bear(self) -> tuple[int, ...]:
+        """For each object, how many others may be put on it."""
+        n = len(self.items)
+        return tuple(
+            sum(
+                any(self.may_rest(other, support) for support in self.owned.get(index, ()))
+                for other in range(n)
+                if other != index
+            )
+            for index in range(n)
+        )
 
     def reachable_at(
         self, index: int, family: int, at: tuple[float, float, float, float], face: int = 0

@@ -12,6 +12,7 @@ from domains.tabletop.actions.reach import grip_of
 from domains.tabletop.features.functions import (
     arrangement,
     bars,
+    bars_settling,
     goal_placements,
     next_to_settle,
     obstructions,
@@ -84,6 +85,21 @@ def test_settled_is_what_is_in_place_with_all_below_it(tower) -> None:
     apart = done.placed(0, there._replace(support=p3 - 1, y=0))
     assert settled(apart) == {1, 2}
     assert next_to_settle(apart) == {0}
+
+
+def test_what_bars_the_next_to_settle_and_what_may_be_put_on_it(tower) -> None:
+    state, world = tower.initial, tower.world
+    assert world.may_bear == (0, 1, 2)
+    assert [bars_settling(state, p, 2) for p in range(3)] == [True, True, False]
+    # Only of the next one it is said.
+    assert not any(bars_settling(state, p, o) for p in range(3) for o in (0, 1))
+    support = {ground.name: i for i, ground in enumerate(world.grounds)}
+    lowest = state.placements[2]
+    at_goal = state.placed(0, lowest._replace(y=-16_000, support=support["p3"]))
+    assert [bars_settling(at_goal, p, 2) for p in range(3)] == [True, True, False]
+    free = at_goal.placed(1, lowest._replace(y=0, support=support["p2"]))
+    free = free.placed(0, state.placements[0])
+    assert not any(bars_settling(free, p, 2) for p in range(3))
 
 
 def test_a_place_is_open_to_one_that_may_go_there(tower) -> None:

@@ -66,6 +66,7 @@ class Arrangement:
     groups: dict[frozenset[int], dict[Hashable, tuple[int, ...]]] = field(default_factory=dict)
     misplaced: dict[Grasp | None, frozenset[int]] = field(default_factory=dict)
     letters: dict[str, dict[int, GoalSites]] = field(default_factory=dict)
+    blockers: dict[int, frozenset[int]] = field(default_factory=dict)
 
     # -- making one --------------------------------------------------------------------------
 
@@ -301,6 +302,17 @@ class Arrangement:
             and (goal := self.world.goal_sites(index, self)) is not None
             and self.settled.issuperset(goal.bearers)
         )
+
+    def bars_settling(self, index: int, other: int) -> bool:
+        """Whether something is to be taken away before an object that is next to settle can be
+        put at its goal."""
+        if index not in self.next_to_settle:
+            return False
+        if index not in self.blockers:
+            goal = self.world.goal_sites(index, self)
+            found = self.in_the_way(index, goal) if goal is not None and self.present[index] else ()
+            self.blockers[index] = frozenset(found)
+        return other in self.blockers[index]
 
     def waits(self, goal: GoalSites) -> bool:
         """Whether a goal is on something that is still to be moved itself, or in the hand: that

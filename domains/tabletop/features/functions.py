@@ -111,6 +111,11 @@ def next_to_settle(state: State) -> frozenset[int]:
     return arrangement(state.world, state.placements).next_to_settle
 
 
+def bars_settling(state: State, other: int, index: int) -> bool:
+    """Whether an object is to be taken away before another one, next to settle, can be put down."""
+    return arrangement(state.world, state.placements).bars_settling(index, other)
+
+
 def obstructions(state: State, index: int) -> int:
     """alpha of an object: what is to be taken away before it can be picked up and put at its
     goal with the same grasp (0 for an object without a goal)."""

@@ -106,8 +106,11 @@ def state_of(world: TabletopWorld, seen: Seen, grasp: Grasp | None) -> State:
 
 
 def _support_below(world: TabletopWorld, placements: Placements, standing: Pose) -> int | None:
-    """The support on which something with a standing frame in the world (3, 4) rests."""
-    for number, ground in enumerate(world.grounds):
+    """The support on which something with a standing frame in the world (3, 4) rests: around a peg
+    or a hole where its middle is over that."""
+    order = sorted(range(len(world.grounds)), key=lambda i: world.grounds[i].peg is None)
+    for number in order:
+        ground = world.grounds[number]
         frame = (0.0, 0.0, 0.0, 0.0)
         if ground.owner is not None:
             below = world.bearer(placements, ground.owner)
@@ -116,6 +119,7 @@ def _support_below(world: TabletopWorld, placements: Placements, standing: Pose)
             frame = below
         local = compose(invert(upright(*frame)), standing)
         level = abs(local[2, 3] - ground.height) < NEAR
-        if level and ground.contains(float(local[0, 3]), float(local[1, 3]), -NEAR):
+        x, y = local[:2, 3].tolist()
+        if level and (ground.contains(x, y, -NEAR) if ground.peg is None else ground.is_over(x, y)):
             return number
     return None

@@ -18,6 +18,7 @@ from domains.tabletop.features import swept
 from domains.tabletop.features.functions import arrangement
 from domains.tabletop.sampling.bases import Wanted
 from domains.tabletop.sampling.draw import DOUBT, Draw, OpenDraw
+from domains.tabletop.sampling.few import kept, sample_few
 from domains.tabletop.sampling.samples import Sampler, Samples
 from domains.tabletop.state import Grasp, Placement, State
 from domains.tabletop.world import TabletopWorld
@@ -79,6 +80,9 @@ def sample_whole(
         if index == largest:
             wanted.append((index, _used(world, index, grasps, places, rng)))
     bases = sampler.bases.poses(draw, wanted)
+    if kept(world):
+        few = sample_few(world, sampler.grasps, sampler.placements, sampler.bases, draw)
+        places, bases = [*places, *few.places], [*few.bases, *bases]
     added = tuple(
         (schema, action)
         for schema in sampler.schemas

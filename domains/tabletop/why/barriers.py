@@ -115,8 +115,8 @@ def _barriers(
     goal: GoalSites | None = None,
 ) -> list[Barrier]:
     here = arrangement(world, state.placements)
-    names = [thing.name for thing in world.scene.world.fixed for _ in thing.body.parts]
-    rows = list(world.statics)
+    # One peg at most rises where it stands, or is to stand: that is inside of it.
+    names, rows = world.named_statics_at(*sites[0, :2].tolist())
     below = set() if goal is None else set(goal.bearers)
     for other in np.flatnonzero(here.present).tolist():
         if other != index and other not in below:

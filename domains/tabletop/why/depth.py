@@ -20,7 +20,8 @@ def depth_of(world: TabletopWorld, ground: Ground) -> float:
     if ground.owner is not None:
         return 0.0
     hx, hy = ground.half
-    rising = [row for row in world.statics if row[2] - row[5] < ground.height + BESIDE]
+    statics = world.statics_at(float(ground.pose[0, 3]), float(ground.pose[1, 3]))
+    rising = [row for row in statics if row[2] - row[5] < ground.height + BESIDE]
     sides = [ground.outside(*side) for side in ((hx, 0.0), (-hx, 0.0), (0.0, hy), (0.0, -hy))]
     lowest = min(
         max(

@@ -58,7 +58,8 @@ def grasps_of(world: TabletopWorld, state: State, index: int) -> list[Grasp]:
     for family in world.families:
         hold = world.hold(index, family, at[3], face)
         site, own, sweep = np.array([at[:3]]), world.own(index, face), world.hand.sweeps[family]
-        fixed = swept.open_headings(site, hold.rows, hold.height, own, world.statics, sweep)
+        statics = world.statics_at(at[0], at[1])
+        fixed = swept.open_headings(site, hold.rows, hold.height, own, statics, sweep)
         open_ways, counts = int(fixed[0]), here.picks[family].counts[index]
         for k in range(HEADINGS):
             angle = float(hold.angles[k]) - at[3]
