@@ -7,9 +7,11 @@ two neighbouring heights of its corners it has one cross-section. That is cut in
 
 from __future__ import annotations
 
+import math
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from runtime.world.body import Mesh
 from runtime.world.poses import Floats
@@ -47,7 +49,8 @@ def layers_of(mesh: Mesh) -> list[Floats] | None:
         loops = _loops(_cut(vertices[faces[upright]], (low + high) / 2))
         if loops is None:
             return None
-        rounded = [_rounded(x, tolerance) if _is_hole(x, loops) else x for x in loops]
+        corners = np.vstack(loops) if loops else np.empty((0, 2))
+        rounded = [_rounded(x, tolerance, corners) if _is_hole(x, loops) else x for x in loops]
         for outline in _joined(_trapezoids(rounded)) if rounded else ():
             ends = [np.column_stack([outline, np.full(len(outline), z)]) for z in (low, high)]
             pieces.append(np.vstack(ends))
@@ -112,11 +115,25 @@ def _loops(lines: list[tuple[tuple[float, float], tuple[float, float]]]) -> list
 
 
 def _without_straight(loop: Loop) -> Loop:
-    before, after = np.roll(loop, 1, axis=0), np.roll(loop, -1, axis=0)
-    a, b = loop - before, after - loop
-    turn = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
-    kept: Loop = loop[np.abs(turn) > 2 * SAME * np.maximum(np.hypot(*a.T), np.hypot(*b.T))]
-    return kept
+    """A closed line without corners that are no corners, one after the other: of two that are all
+    but one point, one is needed."""
+    kept, i = loop.tolist(), 0
+    while i < len(kept) and len(kept) > 2:
+        if _goes_on(kept[i - 1], kept[i], kept[(i + 1) % len(kept)]):
+            del kept[i]
+            i = max(0, i - 1)
+        else:
+            i += 1
+    return np.array(kept)
+
+
+def _goes_on(a: list[float], p: list[float], b: list[float]) -> bool:
+    """Whether a point is on the straight line between two others, or is one of them."""
+    x, y, px, py = b[0] - a[0], b[1] - a[1], p[0] - a[0], p[1] - a[1]
+    along = math.hypot(x, y)
+    if along < SAME or math.hypot(px, py) < SAME:
+        return math.hypot(px, py) < SAME
+    return abs(x * py - y * px) < SAME * along
 
 
 def _is_hole(loop: Loop, loops: list[Loop]) -> bool:
@@ -133,8 +150,9 @@ def _is_inside(point: Floats, loop: Loop) -> bool:
     return bool((crosses & (x > point[0])).sum() % 2)
 
 
-def _rounded(loop: Loop, tolerance: float) -> Loop:
-    """A hole without corners that stick out of it by little, those that stick out least first."""
+def _rounded(loop: Loop, tolerance: float, corners: Floats) -> Loop:
+    """A hole without corners that stick out of it by little, those that stick out least first; what
+    is filled up holds none of the corners (n, 2) of anything."""
     area = _area(loop)
     kept = list(loop if area > 0 else loop[::-1])
     lost = [0.0] * len(kept)  # how much is filled up already, beside each side
@@ -145,13 +163,23 @@ def _rounded(loop: Loop, tolerance: float) -> Loop:
             side = b - a
             out = float(side[1] * (point - a)[0] - side[0] * (point - a)[1]) / np.hypot(*side)
             filled = out + max(lost[i - 1], lost[i])
-            if out > 0 and filled < best:
+            if out > 0.0 and filled < best and not _are_between(corners, a, point, b).any():
                 best, at = filled, i
         if at < 0:
             break
         lost[at - 1] = best
         del kept[at], lost[at]
     return np.array(kept)
+
+
+def _are_between(points: Floats, a: Floats, b: Floats, c: Floats) -> NDArray[np.bool_]:
+    """Which points (n, 2) are inside of a triangle whose corners run counter-clockwise."""
+    inside = np.ones(len(points), dtype=np.bool_)
+    for start, end in ((a, b), (b, c), (c, a)):
+        x, y = end - start
+        off = points - start
+        inside &= x * off[:, 1] - y * off[:, 0] > SAME * math.hypot(x, y)
+    return inside
 
 
 def _area(loop: Loop) -> float:
