@@ -9,7 +9,7 @@ known: the cheapest assignment of a next object to each (every order is one, so 
 bounds those ways. Each way takes at least the time from rest to rest at the limits of speed,
 acceleration and jerk. What it leaves out: the arm's own motion, turns, ways around obstacles,
 and objects that have to be moved more than once. Of a word, whose letters may be taken from
-several objects, only one has to be moved for certain.
+several objects, only how many blocks have to be moved is known, not which and where to.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from domains.tabletop.features.functions import misplaced
+from domains.tabletop.features.functions import arrangement, misplaced
 from domains.tabletop.scene.model import AnyGoal, HeldGoal, PoseGoal, RegionGoal
 from domains.tabletop.state import State
 from domains.tabletop.world import TabletopWorld
@@ -40,8 +40,12 @@ def execution_bound(world: TabletopWorld, state: State) -> float:
     if not moved:
         return 0.0
     grips = 2 * world.robot.gripper.time
-    if world.words is not None or state.held is not None:
-        return grips if state.held is None else grips / 2
+    if world.words is not None:
+        here = arrangement(world, state.placements)
+        held = grips / 2 if state.held is not None else 0.0  # it was gripped before
+        return grips * max(1, world.words.fewest_moves(here)) - held
+    if state.held is not None:
+        return grips / 2
     froms = [_here(world, state, index) for index in moved]
     to = [_goal(world, index) for index in moved]
     reach = _reach(world)

@@ -52,6 +52,7 @@ def kind_of(number: int) -> Kind:
 _of_classes: dict[type, int] = {}
 _of_arrays: dict[tuple[np.dtype, int, int], int] = {}
 _of_tuples: dict[int, tuple[tuple[object, ...], int]] = {}
+_of_parts: dict[tuple[type, tuple[int, ...]], int] = {}
 
 
 def numbers_of(values: tuple[object, ...]) -> tuple[int, ...]:
@@ -109,8 +110,11 @@ def _tuple(value: tuple[object, ...]) -> int:
     inner = numbers_of(value)
     if UNKNOWN in inner:
         return UNKNOWN
-    name = f"{cls.__module__}:{cls.__qualname__}" if named else "tuple"
-    number = number_of((name, *(kind_of(each) for each in inner)))
+    number = _of_parts.get((cls, inner))
+    if number is None:
+        name = f"{cls.__module__}:{cls.__qualname__}" if named else "tuple"
+        number = number_of((name, *(kind_of(each) for each in inner)))
+        _of_parts[cls, inner] = number
     if named:
         if len(_of_tuples) >= REMEMBERED:
             _of_tuples.clear()

@@ -74,7 +74,8 @@ class ArmContext:
         the base are not tested against obstacles. A single point has no lines."""
         if len(path) < 2:
             return None
-        rows, line = advance.dense(path)
+        # Columns of a whole motion lie apart: a kernel would be compiled for that layout, too.
+        rows, line = advance.dense(np.ascontiguousarray(path))
         hit = advance.first_hit(
             self.robot.chain, self.body, self.obstacles, self.lowest, margin, self.sweep, rows
         )

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import pytest
 
+from domains.tabletop.bound import execution_bound
 from domains.tabletop.features.functions import arrangement, misplaced
 from domains.tabletop.features.words import NEAR
 from domains.tabletop.problem import load_problem
@@ -64,6 +65,33 @@ def test_letters_in_a_row_are_well_placed(task, direction, turn) -> None:
 def test_the_whole_word_reaches_the_goal_and_spare_letters_do_not_matter(task) -> None:
     state = spelled(task, len(task.scene.word.word), (0, 1))
     assert not misplaced(state)
+
+
+@pytest.mark.parametrize("direction", DIRECTIONS)
+def test_of_a_word_the_letters_that_are_away_have_to_be_moved(task, direction) -> None:
+    word, words = task.scene.word.word, task.words
+    for count in range(len(word) + 1):
+        state = spelled(task, count, direction)
+        fewest = words.fewest_moves(arrangement(task, state.placements))
+        assert fewest <= len(misplaced(state))
+        if count > 1:
+            assert fewest == len(word) - count
+            grips = 2 * task.robot.gripper.time * fewest
+            assert execution_bound(task, state) == pytest.approx(grips)
+
+
+def test_letters_within_two_tolerances_may_stay(task) -> None:
+    """Between two letters, each just too far from its slot beside the other, a row of a third
+    one may hold both."""
+    word = task.scene.word
+    state = spelled(task, 2, (0, 1))
+    index = index_of(task, word.word[0])
+    at = state.placements[index].pose
+    for away, more in ((1.5, 0), (2.5, 1)):
+        beside = Placement.of(at[0] + away * word.tolerance, *at[1:], word.support)
+        placements = (*state.placements[:index], beside, *state.placements[index + 1 :])
+        fewest = task.words.fewest_moves(arrangement(task, placements))
+        assert fewest == len(word.word) - 2 + more
 
 
 def test_a_block_that_is_turned_against_the_row_is_misplaced(task) -> None:

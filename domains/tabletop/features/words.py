@@ -76,6 +76,19 @@ class WordGoals:
                 goals[index] = self._sites(slots[number])
         return goals
 
+    def fewest_moves(self, arrangement: Arrangement) -> int:
+        """Blocks that have to be moved before the word lies somewhere, at least: of those that
+        stay where they are, one is in the row, and the others are as far from the slots beside it
+        as two tolerances, its own and theirs."""
+        blocks = self._blocks(arrangement)
+        at, numbers = np.nonzero(blocks.aligned[:, None] & blocks.fitting.T)
+        if not len(at):
+            return len(self.goal.word)
+        rows = self._through(blocks.xy[at], numbers)
+        away = np.linalg.norm(rows[:, :, None] - blocks.xy, axis=-1)
+        stay = (away <= 2 * self.goal.tolerance) & blocks.aligned & blocks.fitting
+        return len(self.goal.word) - int(stay.any(axis=2).sum(axis=1).max())
+
     def _blocks(self, arrangement: Arrangement) -> Blocks:
         indices, xy, aligned = [], [], []
         for index, placement in enumerate(arrangement.placements):
@@ -133,12 +146,16 @@ class WordGoals:
     def _fitting(self, xy: Floats, numbers: Ints) -> Floats:
         """Slots (r, w, 2) of the rows, in each direction, whose slots of these numbers (k,) are at
         positions (k, 2), as far as they have room."""
-        along = self.pitches - self.goal.pitch * numbers[:, None]  # (k, w)
-        steps = along[:, None, :, None] * DIRECTIONS[None, :, None]  # (k, 4, w, 2)
-        rows = (xy[:, None, None] + steps).reshape(-1, len(self.pitches), 2)
+        rows = self._through(xy, numbers)
         room = np.array(self.ground.half) - self.inset
         fits: Floats = rows[(np.abs(rows) <= room).all(axis=(1, 2))]
         return fits
+
+    def _through(self, xy: Floats, numbers: Ints) -> Floats:
+        """The same, whether or not they have room."""
+        along = self.pitches - self.goal.pitch * numbers[:, None]  # (k, w)
+        steps = along[:, None, :, None] * DIRECTIONS[None, :, None]  # (k, 4, w, 2)
+        return (xy[:, None, None] + steps).reshape(-1, len(self.pitches), 2)
 
     def _block_for(self, letter: str, used: set[int], arrangement: Arrangement) -> int | None:
         """A block for an empty slot: the one that is away, else the easiest to pick up."""

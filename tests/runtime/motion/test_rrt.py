@@ -7,6 +7,7 @@ import itertools
 import numpy as np
 import pytest
 
+from runtime.kernels import advance
 from runtime.kernels.staged import HARDLY
 from runtime.motion import rrt
 from runtime.motion.arm_context import FREE_MARGIN, ArmContext
@@ -83,6 +84,17 @@ def test_a_straight_line_is_taken_where_it_is_free(robot) -> None:
     path = rrt.plan(context, robot.home, goal, seed=0)
     assert path is not None
     assert path.tolist() == [robot.home.tolist(), goal.tolist()]
+
+
+def test_joints_of_a_whole_motion_are_tested_by_the_kernel_for_others(robot) -> None:
+    context = ArmContext(robot, robot.body(0.05), np.zeros((0, 8)))
+    joints = np.linspace(robot.home, robot.home * 0.99, 4)
+    assert context.path_is_free(joints)
+    known = set(advance.dense._functions)
+    whole = np.hstack([np.zeros((4, 3)), joints])
+    assert context.path_is_free(whole[:, 3:])
+    assert context.path_is_free(np.asfortranarray(joints))
+    assert set(advance.dense._functions) == known
 
 
 def test_of_the_ways_in_two_stages_the_quickest_free_one_is_taken(cluttered, rng) -> None:
