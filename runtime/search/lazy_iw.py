@@ -74,7 +74,8 @@ class LazyIW:
         self.candidates: deque[LazyNode] = deque()
         self.pushed = 0
         # What is true at the root is never new: the root cannot be cut off.
-        self.known = frozenset(self.guide.atoms(start))
+        self.first = self.guide.atoms(start)
+        self.known = frozenset(self.first)
         self.root = LazyNode(start, ())
         self.nodes: dict[State, LazyNode] = {start: self.root}
         self._push(self.root)
@@ -191,7 +192,7 @@ class LazyIW:
     # -- novelty -----------------------------------------------------------------------------
 
     def _tuples(self, state: State) -> tuple[Hashable, ...]:
-        return new_tuples(self.guide.atoms(state), self.known, self.k)
+        return new_tuples(self.guide.atoms(state), self.first, self.known, self.k)
 
     def _support(self, node: LazyNode) -> bool:
         """Record the atoms of a node; whether it is the main supporter of one of them."""

@@ -6,6 +6,7 @@ together (`has_harmless_site`).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Hashable, Iterable
 from typing import TYPE_CHECKING
 
@@ -24,6 +25,9 @@ from runtime.world.poses import Floats
 if TYPE_CHECKING:
     from domains.tabletop.features.arrangement import Arrangement
     from domains.tabletop.world import Ints
+
+Circle = tuple[float, float, float]
+"""x, y (m) of the middle, and the radius."""
 
 NOTHING_BARRED: NDArray[np.bool_] = np.ones(1, dtype=np.bool_)
 """All of some boxes are fine."""
@@ -103,6 +107,7 @@ def _leaves_places(
     goals of others, or leave free ways to other sites of these (b,). `known_as` names boxes
     that are always the same, and what they bar is remembered."""
     world, seen = here.world, set()
+    circle = _circle_around(here, boxes, known_as)
     fine = np.ones(len(boxes), dtype=np.bool_)
     for other in others:
         goal = world.goal_sites(other, here)
@@ -111,6 +116,8 @@ def _leaves_places(
         if faces_at(world, other, goal) != (0,) or here.face(other, None):
             return np.zeros(len(boxes), dtype=np.bool_)  # it is turned on its way there
         seen.add((goal.key, world.kinds[other]))
+        if goal.frame is None and _is_apart(here, circle, other, goal):
+            continue
         places = {f: here.places_of(other, goal, f) for f in world.families}
         # Where no site is reached anyway there is nothing to lose.
         open_ones = {f: ways for f, ways in places.items() if ways.reachable.any()}
@@ -123,6 +130,33 @@ def _leaves_places(
             if spared is not NOTHING_BARRED:
                 fine &= spared
     return fine
+
+
+def _circle_around(here: Arrangement, boxes: Floats, known_as: Hashable) -> Circle:
+    """A circle that boxes (b, 8) are within."""
+
+    def compute() -> Circle:
+        middle = (boxes[:, :2].min(axis=0) + boxes[:, :2].max(axis=0)) / 2
+        away = np.hypot(*(boxes[:, :2] - middle).T) + np.hypot(boxes[:, 3], boxes[:, 4])
+        return float(middle[0]), float(middle[1]), float(away.max())
+
+    if known_as is None:
+        return compute()
+    return here.world.memory.answer("circles around sites", known_as, compute)
+
+
+def _is_apart(here: Arrangement, circle: Circle, other: int, goal: GoalSites) -> bool:
+    """Whether what is in a circle bars no way of another object to its goal, on furniture, whatever
+    it is: it is too far away from all of the goal."""
+
+    def compute() -> float:
+        ways = [here.places_of(other, goal, family) for family in here.world.families]
+        return max(max(here.reach(each.hold), each.extent) for each in ways)
+
+    question = (goal.key, here.world.kinds[other])
+    reach = here.world.memory.answer("reaches around goals", question, compute)
+    (x, y), radius = goal.circle
+    return math.hypot(circle[0] - x, circle[1] - y) > radius + reach + circle[2]
 
 
 def _spared(

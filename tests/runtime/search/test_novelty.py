@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from runtime.search.novelty import NoveltyTable, PartitionedNovelty
+from runtime.search.novelty import NoveltyTable, PartitionedNovelty, new_tuples
 
 ATOMS = st.lists(st.integers(0, 6), max_size=5, unique=True).map(tuple)
 
@@ -52,3 +52,17 @@ def test_the_width_of_a_state_is_that_of_its_smallest_new_tuple_in_its_part(k, s
         table.add(part, atoms)
         for size in range(1, k + 1):
             seen[part].update(map(frozenset, combinations(atoms, size)))
+
+
+@given(
+    st.lists(st.integers(0, 3), max_size=6),
+    st.lists(st.integers(0, 3), max_size=6),
+    st.integers(1, 2),
+)
+def test_new_tuples_are_those_that_are_not_all_true_in_the_other_state(here, there, k) -> None:
+    atoms, other = tuple(enumerate(here)), tuple(enumerate(there))
+    known = frozenset(other)
+    found = new_tuples(atoms, other, known, k)
+    sizes = range(1, k + 1)
+    expected = [c for n in sizes for c in combinations(atoms, n) if not known.issuperset(c)]
+    assert list(found) == ([c[0] for c in expected] if k == 1 else expected)
