@@ -155,7 +155,8 @@ class WordGoals:
         """The same, whether or not they have room."""
         along = self.pitches - self.goal.pitch * numbers[:, None]  # (k, w)
         steps = along[:, None, :, None] * DIRECTIONS[None, :, None]  # (k, 4, w, 2)
-        return (xy[:, None, None] + steps).reshape(-1, len(self.pitches), 2)
+        rows: Floats = (xy[:, None, None] + steps).reshape(-1, len(self.pitches), 2)
+        return rows
 
     def _block_for(self, letter: str, used: set[int], arrangement: Arrangement) -> int | None:
         """A block for an empty slot: the one that is away, else the easiest to pick up."""
