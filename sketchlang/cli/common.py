@@ -59,12 +59,9 @@ def pddl_of(task: str, domain_pddl: str | None) -> Domain | None:
         fail(error)
 
 
-def trace_options(command: Callable[P, R]) -> Callable[P, R]:
-    """FILE, a plan or a trace, and what a plan refers to where that is not built in."""
+def named_options(command: Callable[P, R]) -> Callable[P, R]:
+    """What a plan refers to, where that is not built in."""
     for option in (
-        click.option(
-            "--domain", "domain_file", metavar="FILE", help="The domain that the sketch needs."
-        ),
         click.option(
             "--sketch",
             shell_complete=names.sketches,
@@ -80,10 +77,18 @@ def trace_options(command: Callable[P, R]) -> Callable[P, R]:
             shell_complete=names.scenes,
             help="The scene, where a plan does not name a built-in one.",
         ),
-        click.argument("file", type=click.Path(path_type=Path)),
     ):
         command = option(command)
     return command
+
+
+def trace_options(command: Callable[P, R]) -> Callable[P, R]:
+    """FILE, a plan or a trace, and what a plan refers to."""
+    domain = click.option(
+        "--domain", "domain_file", metavar="FILE", help="The domain that the sketch needs."
+    )
+    file = click.argument("file", type=click.Path(path_type=Path))
+    return file(named_options(domain(command)))
 
 
 def interruptible(command: Callable[P, R]) -> Callable[P, R]:

@@ -17,6 +17,7 @@ from sketchlang.cli.common import (
     interruptible,
     load_named,
     load_valid,
+    named_options,
     say,
 )
 
@@ -39,21 +40,7 @@ Examples:
 )
 @click.argument("file", shell_complete=names.sketches)
 @click.argument("scene_argument", metavar="[SCENE]", required=False, shell_complete=names.scenes)
-@click.option(
-    "--scene",
-    shell_complete=names.scenes,
-    help="The scene, where a plan does not name a built-in one.",
-)
-@click.option(
-    "--robot",
-    shell_complete=names.robots,
-    help="The robot, where a plan does not name a built-in one.",
-)
-@click.option(
-    "--sketch",
-    shell_complete=names.sketches,
-    help="The sketch, where a plan does not name a built-in one.",
-)
+@named_options
 @click.option("--closed-loop", is_flag=True, help="FILE is a sketch: sense and plan as it goes.")
 @click.option(
     "--disturbance",
