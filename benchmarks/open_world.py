@@ -109,6 +109,7 @@ def main() -> None:
     parser.add_argument("--only", nargs="*", default=list(groups), help="groups, or scenes")
     parser.add_argument("--robot", nargs="*", default=list(ROBOTS))
     parser.add_argument("--seeds", type=int, default=20)
+    parser.add_argument("--plans", action="store_true", help="do not carry plans out in PyBullet")
     parser.add_argument("--seconds", type=float, default=1e9, help="begin no run after that")
     arguments = parser.parse_args()
     text = arguments.out.read_text() if arguments.out.exists() else ""
@@ -127,7 +128,8 @@ def main() -> None:
                         continue
                     if perf_counter() - started > arguments.seconds:
                         return
-                    said = run(name, robot, seed, Path(folder), name not in GRIDS)
+                    physics = name not in GRIDS and not arguments.plans
+                    said = run(name, robot, seed, Path(folder), physics)
                     file.write(json.dumps(said) + "\n")
                     file.flush()
 

@@ -78,6 +78,8 @@ class GraspSampler:
         angles = angles or [float(hold.angles[k]) for k in headings]
         if attempt > 0:
             strays = pick_headings(swept.ALL & hold.fits if draw.doubting else free, number, rng)
+            # Where few headings are free, each is tried in several ways.
+            strays += pick_headings(free, number, rng) * (number // max(1, free.bit_count()) - 1)
             angles += [k * STEP + rng.uniform(-STEP / 2, STEP / 2) for k in strays]
         grasps = []
         for angle in angles:

@@ -13,7 +13,7 @@ from domains.tabletop.faces import turned
 from domains.tabletop.features.functions import arrangement
 from domains.tabletop.room import goes_over
 from domains.tabletop.sampling.bases import BaseSampler, Wanted
-from domains.tabletop.sampling.draw import DOUBT, Draw
+from domains.tabletop.sampling.draw import BASES, DOUBT, Draw
 from domains.tabletop.sampling.few import kept, sample_few
 from domains.tabletop.sampling.grasps import GraspSampler
 from domains.tabletop.sampling.placements import PlacementSampler
@@ -140,10 +140,15 @@ class Sampler:
             picks = self.grasps.picks(draw)
             if attempt == 0:
                 picks = leading_on(self.grasps.world, self.bases.room, state, picks)
+            ready = {index for index, _ in picks if self.grasps.is_ready(state, index)}
+            # What is ready to go deserves more places to stand than what is in its way, and half
+            # of all in the end.
+            copies = min(READY * draw.scale, BASES * draw.scale // (2 * max(1, len(ready))))
             for index, grasps in picks:
                 targets = [(state.placements[index], grasp) for grasp in grasps]
-                # What is ready to go deserves more places to stand than what is in its way.
-                wanted += [(index, targets)] * (READY if self.grasps.is_ready(state, index) else 1)
+                for k in range(max(READY, copies) if index in ready else 1):
+                    first = k % len(targets)
+                    wanted.append((index, targets[first:] + targets[:first]))
             places, largest = self.placements.anywhere(draw) if draw.doubting else ([], 0)
             wanted += [(largest, [(p, Grasp.of(0.0, 0.0))]) for p in places]
             if self.grasps.are_tied(state):

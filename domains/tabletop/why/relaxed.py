@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from domains.tabletop.faces import faces_at
-from domains.tabletop.features.functions import arrangement
+from domains.tabletop.features.functions import arrangement, obstructions
 from domains.tabletop.features.goals import GoalSites
 from domains.tabletop.items import why_not
 from domains.tabletop.memory import Memory
@@ -18,6 +18,10 @@ from domains.tabletop.world import TabletopWorld
 
 if TYPE_CHECKING:
     from domains.tabletop.problem import TabletopProblem
+
+
+ASKED = 12
+"""Objects that X is asked to take off before it stays open whether one is blocked for good."""
 
 
 class Thing(NamedTuple):
@@ -77,17 +81,26 @@ def without(
 def is_free(problem: TabletopProblem, state: State, index: int) -> bool:
     """Whether an object can get to its goal if all that a hand can move is out of the way: those
     objects are taken off one after the other, and nobody asks where to. What is impossible so is
-    impossible for any sketch."""
-    world = problem.world
+    impossible for any sketch. X is asked only where the features see no more to take off, of what
+    has the least around it, and of no more than `ASKED` objects: then nothing is proved."""
+    asked = 0
     while True:
-        if can_go(problem, state, index):
-            return True
-        more = [i for i in _standing(state) if i != index and _can_be_moved(problem, state, i)]
+        others = [i for i in _standing(state) if i != index and _is_loose(problem, state, i)]
+        more = [i for i in others if way_to_object(problem.world, state, i)]
+        if not more:
+            if can_go(problem, state, index):
+                return True
+            for other in sorted(others, key=lambda i: obstructions(state, i)):
+                if asked == ASKED:
+                    return True
+                asked += 1
+                if can_pick(problem, state, other, FEW):
+                    more = [other]
+                    break
         if not more:
             return False
-        gone = frozenset(more)
-        placements = tuple(None if i in gone else p for i, p in enumerate(state.placements))
-        state = replace(state, placements=placements, world=world)
+        placements = tuple(None if i in more else p for i, p in enumerate(state.placements))
+        state = replace(state, placements=placements)
 
 
 def _standing(state: State) -> list[int]:
@@ -110,12 +123,11 @@ def can_go(problem: TabletopProblem, state: State, index: int) -> bool:
     )
 
 
-def _can_be_moved(problem: TabletopProblem, state: State, index: int) -> bool:
+def _is_loose(problem: TabletopProblem, state: State, index: int) -> bool:
+    """Whether nothing stands on an object, and a hand could hold it."""
     world = problem.world
-    here = arrangement(world, state.placements)
-    if here.bears(index) or why_not(world.items[index], world.hand, world.families) is not None:
-        return False
-    return way_to_object(world, state, index) or can_pick(problem, state, index, FEW)
+    bears = arrangement(world, state.placements).bears(index)
+    return not bears and why_not(world.items[index], world.hand, world.families) is None
 
 
 def way_to_object(world: TabletopWorld, state: State, index: int) -> bool:
