@@ -11,7 +11,7 @@ import numpy as np
 from domains.tabletop.state import DOWN, END, PINCH, SIDE, SLANT, TOP
 from runtime.robot.approach import Family
 from runtime.robot.model import RobotModel
-from runtime.robot.open_hand import finger_boxes, room_between
+from runtime.robot.open_hand import finger_boxes, flat_of, room_between
 from runtime.robot.sweeps import TRAVEL, drawn_out
 from runtime.world.poses import Floats
 
@@ -72,6 +72,22 @@ class Hand:
     max_weight: float
     max_torque: float
     sweeps: Sweeps
+
+    @cached_property
+    def pads(self) -> Floats:
+        """The lowest and the highest x and z (2, 2), in the tool frame, of what is between the
+        fingers."""
+        return np.array([[-self.back, -self.pad], [self.tip, self.pad]])
+
+    @cached_property
+    def flat(self) -> Floats:
+        """The same of where they touch what has flat sides: some fingers are further apart near
+        the palm, or rounded at the edges."""
+        face = flat_of(self.robot)
+        if face is None:
+            return self.pads
+        low, high = np.maximum(face[0], self.pads[0]), np.minimum(face[1], self.pads[1])
+        return np.array([low, high]) if (high > low).all() else self.pads
 
     @cached_property
     def finger_width(self) -> float:

@@ -15,7 +15,7 @@ import numpy as np
 
 from domains.tabletop.hand import Hand
 from domains.tabletop.outlines import Slab, around, room_within
-from domains.tabletop.pads import Polyhedron, across, firm
+from domains.tabletop.pads import SNUG, Polyhedron, across, firm
 from domains.tabletop.rims import PALM_AIR, outermost, rim_of
 from domains.tabletop.state import DOWN, END, PINCH, SIDE, SLANT, SLOPE, TOP, UNIT, Grasp
 from domains.tabletop.steps import beside_steps
@@ -183,7 +183,7 @@ class Item:
         ahead = np.array([np.cos(angles), np.sin(angles)])
         forward = np.vstack(outlines) @ ahead  # (n, k)
         near, far = forward.min(axis=0), forward.max(axis=0)
-        behind, before = self._reach(hand, family, height)
+        behind, before = self._reach(hand, hand.pads, family, height)
         if family == PINCH:
             along = near + np.minimum(PINCH_DEPTH, (far - near) / 2)
             fits = along - near <= hand.back - PALM_AIR
@@ -210,7 +210,9 @@ class Item:
             width = np.full(len(angles), self.size[2])
         else:
             width = slab.width
-            fits = fits & across(slab)
+            behind, before = self._reach(hand, hand.flat, family, height)
+            touched = Slab(outlines, angles, along - behind, along + before)
+            fits = fits & across(touched) & (width - touched.width <= SNUG)
         fits = fits & (width > 0) & (width + 2 * hand.clearance <= hand.max_opening + 1e-9)
         fits = fits & self._is_borne(hand, angles, along, slab.middle)
         return self._firmly(hand, angles, Hold(family, height, width, along, slab.middle, fits))
@@ -222,9 +224,8 @@ class Item:
         if self._is_prism or not len(chosen):
             return hold
         tools = np.array([self.grasp(hold, k, float(angles[k])).tool for k in chosen.tolist()])
-        pad = np.array([[-hand.back, -hand.pad], [hand.tip, hand.pad]])
         fits = np.full(len(angles), False)
-        fits[chosen] = firm(self._polyhedra, tools, pad, hold.width[chosen])
+        fits[chosen] = firm(self._polyhedra, tools, hand.flat, hold.width[chosen])
         return replace(hold, fits=fits)
 
     @cached_property
@@ -314,18 +315,21 @@ class Item:
             return max(0.0, height - below), min(self.size[2], height + above)
         return (max(0.0, height - hand.tip) if family in DOWN else 0.0), self.size[2]
 
-    def _reach(self, hand: Hand, family: int, height: float) -> tuple[float, float]:
+    def _reach(self, hand: Hand, pads: Floats, family: int, height: float) -> tuple[float, float]:
         """Metres along the heading, behind and before the centre of a grasp at a height, between
-        which the pads are that close on the object."""
+        which pads are that close on the object, from the lowest x and z to the highest (2, 2)."""
+        (back, below), (tip, above) = (-pads[0]).tolist(), pads[1].tolist()
+        wide = max(below, above)
         if family == TOP:
-            return hand.pad, hand.pad
+            return wide, wide
         if family == END:
-            return hand.fingertip, hand.fingertip
+            wide = min(wide, hand.fingertip)
+            return wide, wide
         if family == SLANT:
-            behind, before = _reach_aslant(hand)
             # Pads that lean back are above it before they end.
-            return min(behind, 2 * SLOPE * hand.pad + self.size[2] - height), before
-        return hand.back, hand.tip
+            room = 2 * SLOPE * wide + self.size[2] - height
+            return min(SLOPE * (back + wide), room), SLOPE * (tip + wide)
+        return back, tip
 
     @cached_property
     def _known_grips(self) -> dict[int, tuple[float, list[Floats]] | None]:
@@ -399,7 +403,7 @@ class Item:
             outlines = self.section(*self._between(hand, grasp.family, height))
         if grasp.family == PINCH or not outlines:
             return self.size[2]
-        behind, before = self._reach(hand, grasp.family, height)
+        behind, before = self._reach(hand, hand.pads, grasp.family, height)
         along = np.array([grasp.along * UNIT])
         slab = Slab(outlines, np.array([grasp.heading]), along - behind, along + before)
         return float(slab.width[0])

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from domains.tabletop.outlines import FRICTION, TOUCHING, Slab
 from runtime.world.poses import Floats
 
-BEYOND = 0.001
+BEYOND = 0.0001
 """Metres beyond the edges of a pad up to which it is seen how a face goes on that it touches."""
 
 SNUG = 0.001

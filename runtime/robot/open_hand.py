@@ -20,6 +20,12 @@ KNUCKLE = 0.004
 INWARDS = 0.001
 """Metres that a part of a finger may be nearer to the middle than its pad."""
 
+FLAT = 0.0003
+"""Metres by which points of a flat face may be further out than the innermost one."""
+
+LEAST = 0.005
+"""Metres that a face is wide and high, at least."""
+
 SLICE = 0.02
 """Metres of a piece of a hand that comes aslant, or of a finger that leans outwards."""
 
@@ -98,6 +104,24 @@ def room_between(robot: RobotModel) -> float:
                 if piece[:, 1].min() < opening / 2 - INWARDS and piece[:, 0].max() < 0:
                     room = min(room, -float(piece[:, 0].max()))
     return room
+
+
+def flat_of(robot: RobotModel) -> Floats | None:
+    """Where the faces of both fingers are flat and nearest to each other: the lowest and the
+    highest x and z (2, 2) in the tool frame; None where that is next to nothing, as between
+    fingers that turn."""
+    gripper = robot.gripper
+    opening = (gripper.min_opening + gripper.max_opening) / 2
+    sides: dict[float, list[Floats]] = {}
+    names = dict(gripper.fingers)
+    for finger, cloud in _clouds(robot, invert(robot.tool), opening):
+        sides.setdefault(names.get(finger.part, 1.0), []).append(cloud)
+    low, high = np.full(2, -np.inf), np.full(2, np.inf)
+    for clouds in sides.values():
+        points = np.vstack(clouds)
+        face = points[points[:, 1] <= points[:, 1].min() + FLAT][:, [0, 2]]
+        low, high = np.maximum(low, face.min(axis=0)), np.minimum(high, face.max(axis=0))
+    return np.array([low, high]) if sides and (high - low >= LEAST).all() else None
 
 
 def _pieces(cloud: Floats, family: Family) -> list[Floats]:
