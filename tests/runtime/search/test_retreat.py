@@ -25,6 +25,9 @@ ROOMS = 12
 KEYS = 3
 """Keys that may lie in a room; one of each row of samples is found."""
 
+TRAP = 7
+"""A key with which no rule applies any more."""
+
 State = tuple[int, ...]
 """The keys that were taken, one in each room that was left behind."""
 
@@ -40,13 +43,18 @@ def sketch() -> CompiledSketch:
     def rooms_left(state) -> Nat:
         return ROOMS - len(state)
 
+    @domain.function
+    def trapped(state) -> bool:
+        return TRAP in state
+
     @domain.atom
     def taken(state) -> Iterator[State]:
         yield state
 
     text = (
-        "sketch rooms\nuse rooms\nfeature n : nat = rooms_left()\natoms taken\n"
-        "goal { n = 0 }\nrule go { n > 0 } -> { n-- }\n"
+        "sketch rooms\nuse rooms\nfeature n : nat = rooms_left()\n"
+        "feature t : bool = trapped()\natoms taken\n"
+        "goal { n = 0 }\nrule go { !t, n > 0 } -> { n--, t? }\n"
     )
     loaded = load_text(Source("rooms.sketch", text), {"rooms": domain})
     assert loaded.ok, loaded.diagnostics
@@ -141,6 +149,28 @@ def test_most_wrong_turns_are_mended_and_the_same_seed_mends_them_alike(planner)
 
 
 @BOTH
+def test_who_comes_further_begins_with_one_subgoal_again(planner) -> None:
+    locks, further = {4: (2, 0), 9: (8, -1)}, 0
+    for seed in range(20):
+        furthest, step = 0, 1
+        for retreat in run(Corridor(locks), planner, Limits(retreats=20), seed).retreats:
+            step = 1 if retreat.stuck > furthest else 2 * step
+            further += 0 < furthest < retreat.stuck
+            furthest = max(furthest, retreat.stuck)
+            assert retreat.back == max(0, retreat.stuck - step)
+    assert further > 5
+
+
+@BOTH
+def test_where_no_rule_applies_others_may_have_led_elsewhere(planner) -> None:
+    runs = [(Limits(retreats=most), seed) for most in (0, 6) for seed in range(20)]
+    found = [run(Corridor({}, keys=TRAP + 1), planner, limits, seed) for limits, seed in runs]
+    once, found = found[:20], found[20:]
+    assert any(one.end is End.NO_RULE for one in once)
+    assert sum(one.solved for one in found) > sum(one.solved for one in once)
+
+
+@BOTH
 def test_what_is_hopeless_ends_soon_and_as_it_did_without_going_back(planner) -> None:
     nobody = {8: (7, -1)}
     alone, corridor = (Corridor(nobody, keys=400, seen=300) for _ in range(2))
@@ -149,8 +179,10 @@ def test_what_is_hopeless_ends_soon_and_as_it_did_without_going_back(planner) ->
     assert outcome.end is End.NO_SUBGOAL
     for name in ("end", "reason", "stuck", "state", "subgoals", "rejections"):
         assert getattr(outcome, name) == getattr(once, name)
-    assert 0 < len(outcome.retreats) <= Limits().retreats
-    assert outcome.retreats[-1].back == 0
+    assert outcome.retreats == [Retreat(8, 7), Retreat(8, 6), Retreat(8, 4), Retreat(8, 0)]
+    assert outcome.effort.generated > once.effort.generated
+    few = run(Corridor(nobody, keys=400, seen=300), planner, Limits(retreats=2))
+    assert few.retreats == [Retreat(8, 7), Retreat(8, 0)]
     refused = [sum(len(state) == 8 for state in one.asked) for one in (alone, corridor)]
     most = Limits().rejections
     assert refused == [most, most + len(outcome.retreats) * most // HASTE]
