@@ -84,6 +84,24 @@ def test_no_plan_is_quicker_than_the_bound(sorted_sticks) -> None:
     assert 0 < bound < result.plan.execution_time
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "scene", ["words/tamp", "words/robot", "sorting/4t-07", "non_monotonic/2t-11", "desk/low"]
+)
+def test_no_plan_of_any_seed_is_quicker_than_the_bound(scene) -> None:
+    robot = "ur5e_desk" if scene == "desk/low" else None
+    for seed in range(6):
+        task = opened(scene, seed, robot)
+        result = task.solve(Limits(timeout=120.0))
+        assert result.solved
+        found = result.plan
+        assert found.execution_lower_bound <= found.execution_time
+        grips = sum(isinstance(a, Pick | Place) for s in result.outcome.subgoals for a in s.actions)
+        world = problem_of(result).world
+        if world.words is not None:  # there it is grips alone
+            assert found.execution_lower_bound <= grips * world.robot.gripper.time
+
+
 def test_nothing_is_bounded_where_all_is_done(sorted_sticks) -> None:
     problem = problem_of(sorted_sticks[0])
     assert execution_bound(problem.world, sorted_sticks[0].outcome.state) == 0.0
