@@ -15,7 +15,7 @@ from runtime.search.guide import Subgoal
 from runtime.search.limits import HASTE, Limits
 from runtime.search.planners import PLANNERS, SEARCHES
 from runtime.search.problem import Rejection
-from runtime.search.siw_r import End, Outcome, Progress, Retreat
+from runtime.search.siw_r import End, Outcome, Progress, Retreat, eager, subgoals
 from sketchlang.compile import CompiledSketch, compile_sketch
 from sketchlang.domain import Domain, Nat
 from sketchlang.loader import load_text
@@ -237,3 +237,46 @@ def unlucky(planner: str) -> int:
     """A seed with which a run has to go back, and comes through then."""
     runs = ((seed, run(Corridor({5: (3, 0)}), planner, None, seed)) for seed in range(100))
     return next(seed for seed, one in runs if one.retreats and one.solved)
+
+
+class Loop(Corridor):
+    """Rooms that lead 0, 1, 2, 1, 2, ...: the state tells where one is and nothing of the past."""
+
+    def subproblem(self, state: State, attempt: int, rng: np.random.Generator) -> Room:
+        onwards = Room(self, state, [])
+        onwards.actions = lambda at: [("on", LOOP[at])] if at == state else []  # type: ignore
+        return onwards
+
+
+LOOP = {(): (0,), (0,): (0, 0), (0, 0): (0,)}
+
+
+def test_a_run_that_goes_on_knows_where_it_has_been() -> None:
+    """A circle is one at the first state that comes again, those before going back included."""
+    domain = Domain("rooms")
+
+    @domain.function
+    def place(state) -> Nat:
+        return len(state)
+
+    @domain.function
+    def ended(state) -> bool:
+        return False
+
+    @domain.atom
+    def there(state) -> Iterator[State]:
+        yield state
+
+    text = (
+        "sketch s\nuse rooms\nfeature n : nat = place()\nfeature e : bool = ended()\n"
+        "atoms there\ngoal { e }\nrule go { !e } -> { n? }\n"
+    )
+    loaded = load_text(Source("s.sketch", text), {"rooms": domain})
+    assert loaded.ok, loaded.diagnostics
+    two, loop = Outcome(state=()), Loop({})
+    args = (eager, compile_sketch(loaded.checked), loop, Limits(), np.random.default_rng(0))
+    found = subgoals(*args, two)
+    next(found), next(found)
+    rest = Outcome(state=two.state, subgoals=two.subgoals[:])
+    assert len(list(subgoals(*args, rest))) == 1
+    assert (rest.end, rest.returned_to) == (End.CIRCLE, 1)
