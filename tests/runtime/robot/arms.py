@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
+import pytest
 import trimesh
+
+from runtime.robot import reachable
 
 LINKS = (
     # name, joint's place in the link before, its axis, the shape's middle and geometry
@@ -58,3 +63,14 @@ def write_arm(folder: Path, urdf: str | None = None) -> Path:
     path = folder / "arm.urdf"
     path.write_text(urdf or arm_urdf(), encoding="utf-8")
     return path
+
+
+@contextmanager
+def coarse_grid(cache: Path) -> Iterator[None]:
+    """Where arms reach, on a coarse grid of heights and distances, with a cache of its own."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("XDG_CACHE_HOME", str(cache))
+        patch.setattr(reachable, "HEIGHT_STEP", 0.2)
+        patch.setattr(reachable, "DISTANCE_STEP", 0.12)
+        patch.setattr(reachable, "SEEDS", 2)
+        yield

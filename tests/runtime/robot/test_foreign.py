@@ -11,7 +11,6 @@ from click.testing import CliRunner
 
 from domains.tabletop.foot import sunk_into
 from domains.tabletop.scene.load import load_scene
-from runtime.robot import reachable
 from runtime.robot.load import load_robot
 from runtime.robot.model import BOLTED
 from runtime.robot.propose.held import other_arms
@@ -21,7 +20,7 @@ from runtime.robot.urdf import read_urdf
 from runtime.world.poses import compose, invert
 from sketchlang.cli import cli
 from sketchlang.library import find_scene
-from tests.runtime.robot.arms import HAND, LINKS, arm_urdf, write_arm
+from tests.runtime.robot.arms import HAND, LINKS, arm_urdf, coarse_grid, write_arm
 
 
 def run(*arguments: object):
@@ -30,12 +29,7 @@ def run(*arguments: object):
 
 @pytest.fixture(autouse=True, scope="module")
 def quick(tmp_path_factory):
-    """A coarse grid of heights and distances, kept in a cache of its own."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("cache")))
-        patch.setattr(reachable, "HEIGHT_STEP", 0.2)
-        patch.setattr(reachable, "DISTANCE_STEP", 0.12)
-        patch.setattr(reachable, "SEEDS", 2)
+    with coarse_grid(tmp_path_factory.mktemp("cache")):
         yield
 
 

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from runtime.robot import reachable
 from runtime.robot.check import check_robot
 from runtime.robot.load import load_robot
 from runtime.robot.propose.pairs import touching
@@ -16,7 +15,7 @@ from runtime.robot.tree import link_poses, with_mimics
 from runtime.robot.urdf import read_urdf
 from runtime.world.poses import compose, invert
 from sketchlang.cli.robot import command
-from tests.runtime.robot.arms import HAND, arm_urdf, write_arm
+from tests.runtime.robot.arms import HAND, arm_urdf, coarse_grid, write_arm
 
 
 def run(*arguments: object):
@@ -25,12 +24,7 @@ def run(*arguments: object):
 
 @pytest.fixture(autouse=True, scope="module")
 def quick(tmp_path_factory):
-    """A coarse grid of heights and distances, kept in a cache of its own."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("cache")))
-        patch.setattr(reachable, "HEIGHT_STEP", 0.2)
-        patch.setattr(reachable, "DISTANCE_STEP", 0.12)
-        patch.setattr(reachable, "SEEDS", 2)
+    with coarse_grid(tmp_path_factory.mktemp("cache")):
         yield
 
 
