@@ -11,7 +11,7 @@ import numpy as np
 
 from runtime.kernels import arm
 from runtime.kernels.convex import boxes_only
-from runtime.robot.model import RobotModel
+from runtime.robot.model import Ints, RobotModel
 from runtime.robot.urdf import MOVING
 from runtime.world.poses import compose, identity
 from runtime.world.solids import Floats
@@ -61,30 +61,31 @@ class _Judge:
         return self._extent() + self._strain(q) + self._unready()
 
     def _extent(self) -> float:
-        """Where the whole arm is, in metres: the furthest part from the base's axis; how far it is
-        stretched from the shoulder, upwards too; and again what is in front, where work is, and
-        what is aside of the arm's own plane."""
-        placed, radius = self._placed[self.moving], 0.7 * self.body.radius[self.moving]
-        out = np.hypot(placed[:, 0, 3], placed[:, 1, 3]) + radius
-        front = max(0.0, float((placed[:, 0, 3] + radius).max()))
+        """Where the whole arm is, in metres: how far it reaches; and again what is in front, where
+        work is, and what is aside of the arm's own plane."""
+        placed, _, reach, front = self._spread(self.moving)
         aside = float(np.abs(placed[:, 1, 3]).max())
-        shoulder = self._frames[self.first + 1, :, 3]
-        stretch = np.linalg.norm(placed[:, :, 3] - shoulder, axis=1) + radius
-        return float(out.max() + 0.5 * stretch.max()) + 0.5 * front + 0.5 * aside
+        return reach + 0.5 * front + 0.5 * aside
 
     def _in_the_way(self) -> float:
-        """How far an arm that is not used sticks out and to the front, is stretched, and is over
-        on the side of the one that is used, in metres."""
-        own = self.body.frame > self.first
-        placed, radius = self._placed[own], 0.7 * self.body.radius[own]
+        """How far an arm that is not used reaches and is in front, and is over on the side of the
+        one that is used, in metres."""
+        placed, radius, reach, front = self._spread(np.flatnonzero(self.body.frame > self.first))
+        side = float(self._frames[self.first + 1, 1, 3])
+        across = float((radius - math.copysign(1.0, side) * placed[:, 1, 3]).max())
+        beyond = max(0.0, across) if abs(side) > ROOM else 0.0
+        return reach + front + 2.0 * beyond
+
+    def _spread(self, parts: Ints) -> tuple[Floats, Floats, float, float]:
+        """Poses (k, 3, 4) and radii (k,) of some parts; how far they reach, in metres: the furthest
+        from the base's axis, and half of how far they are stretched from the shoulder, upwards
+        too; and how far they are in front."""
+        placed, radius = self._placed[parts], 0.7 * self.body.radius[parts]
         out = np.hypot(placed[:, 0, 3], placed[:, 1, 3]) + radius
         front = max(0.0, float((placed[:, 0, 3] + radius).max()))
         shoulder = self._frames[self.first + 1, :, 3]
         stretch = np.linalg.norm(placed[:, :, 3] - shoulder, axis=1) + radius
-        side = float(shoulder[1])
-        across = float((radius - math.copysign(1.0, side) * placed[:, 1, 3]).max())
-        beyond = max(0.0, across) if abs(side) > ROOM else 0.0
-        return float(out.max() + 0.5 * stretch.max()) + front + 2.0 * beyond
+        return placed, radius, float(out.max() + 0.5 * stretch.max()), front
 
     def _strain(self, q: Floats) -> float:
         """Joints away from the middle of their ranges, and a first joint that is turned away from
